@@ -250,9 +250,8 @@ void Session::remove_many() {
   say("remove every %zu. body from %zu on", stride, first);
   std::vector<BodyId> gone;
   for (std::size_t k = first; k < bodies_.size(); k += stride) gone.push_back(bodies_[k]);
-  for (const BodyId id : gone) {
-    require(change<bool>("remove_body", [&](auto& w) { return w.remove_body(id); }), "remove_body: a living one");
-  }
+  const auto removed = change<std::size_t>("remove_bodies", [&](auto& w) { return w.remove_bodies(gone); });
+  require(removed == gone.size(), "remove_bodies: living ones");
   bury(gone);
 }
 

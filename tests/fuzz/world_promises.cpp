@@ -141,6 +141,54 @@ std::string query_fault(const World& world) {
   return {};
 }
 
+// What is drawn has finite places, and bodies that are there.
+struct Looks : DebugDraw {
+  const World& world;
+  std::string fault;
+
+  explicit Looks(const World& drawn) : world(drawn) {}
+  void check(bool sound) {
+    if (!sound) fault = "debug_draw: what is drawn";
+  }
+  void circle(Vec2 centre, double radius, double angle, DrawKind, BodyId body) override {
+    check(finite(centre) && finite(radius) && (finite(angle) || !world.is_awake(body)) && world.is_valid(body));
+  }
+  void polygon(std::span<const Vec2> corners, double radius, DrawKind, BodyId body) override {
+    check(corners.size() >= 2 && corners.size() <= kMostPolygonVertices && finite(radius) && world.is_valid(body));
+    for (const Vec2 corner : corners) check(finite(corner));
+  }
+  void line(Vec2, Vec2, DrawKind) override {}
+  void point(Vec2 at, DrawKind) override { check(finite(at)); }
+};
+
+std::string look_fault(World& world) {
+  Looks looks(world);
+  DebugDrawOptions options;
+  options.contacts = options.forces = true;
+  if (!world.debug_draw(looks, options)) return "debug_draw";
+  const Bounds& b = world.desc().bounds;
+  const RayInput rays[] = {{{b.xmin, b.ymin}, {b.xmax, b.ymax}}, {{b.xmax, b.ymin}, {b.xmin, b.ymax}}};
+  RayHit hits[2];
+  world.ray_cast_batch(rays, hits);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const RayHit one = world.ray_cast(rays[k].from, rays[k].to).value_or(RayHit{});
+    if (one.body != hits[k].body || one.fraction != hits[k].fraction) return "ray_cast_batch: as one ray";
+  }
+  for (std::uint32_t k = 0; k < 24; ++k) {
+    const BodyId id = world.id_of(k);
+    if (id == kNoBody) continue;
+    const auto box = world.bounds_of(id);
+    const auto centre = world.centre_of_mass(id);
+    if (!box || !centre || !finite(*centre) || !world.velocity_at(id, *centre)) return "where a body is";
+    if (!(box->xmin <= box->xmax) || !(box->ymin <= box->ymax)) return "bounds_of: a box";
+    for (const JointId joint : world.joints_of(id)) {
+      const auto state = world.joint(joint);
+      if (!state || (state->a != id && state->b != id)) return "joints_of: a joint of another";
+    }
+  }
+  return looks.fault;
+}
+
 }  // namespace
 
 bool same_events(const World& one, const World& other) {
@@ -163,7 +211,7 @@ bool same_events(const World& one, const World& other) {
 
 std::string broken_promise(World& world, bool questions) {
   for (const std::string& fault : {state_fault(world), event_fault(world), snapshot_fault(world), contact_fault(world),
-                                   questions ? plan_fault(world) + query_fault(world) : ""}) {
+                                   questions ? plan_fault(world) + query_fault(world) + look_fault(world) : ""}) {
     if (!fault.empty()) return fault;
   }
   if (world.dynamic_count() + world.static_count() > world.body_count()) return "counts by type";

@@ -351,8 +351,11 @@ void EventList::collect_sleep(const Observed& world, bool stepped) {
     std::ranges::sort(sleepers_, {}, &BodyId::index);  // Total order: no two have one index.
     slept_at_ = world.sleep.sleepers.changes;
     const auto by_index = [](BodyId x, BodyId y) { return x.index < y.index; };
-    std::ranges::set_difference(sleepers_, asleep_before_, std::back_inserter(fell_asleep_), by_index);
-    std::ranges::set_difference(asleep_before_, sleepers_, std::back_inserter(woke_), by_index);
+    const auto add_new = [&](const std::vector<BodyId>& now, const std::vector<BodyId>& before, std::vector<BodyId>& to) {
+      std::set_difference(now.begin(), now.end(), before.begin(), before.end(), std::back_inserter(to), by_index);
+    };
+    add_new(sleepers_, asleep_before_, fell_asleep_);
+    add_new(asleep_before_, sleepers_, woke_);
     const auto gone = [&](BodyId id) {
       const BodyInfo& info = world.bodies.info[id.index];
       return info.generation != id.generation || is_out(info.place);
