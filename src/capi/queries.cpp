@@ -218,6 +218,7 @@ psim_result psim_world_events(psim_world* world, psim_events* events) {
     out.breaks = world->breaks.data();
     out.break_count = world->breaks.size();
     out.begin_points = world->begin_points.data();
+    out.begin_point_count = world->begin_points.size();
     out.fell_asleep = world->fell_asleep.data();
     out.fell_asleep_count = world->fell_asleep.size();
     out.woke = world->woke.data();

@@ -133,6 +133,7 @@ typedef struct psim_events {
   const psim_joint_break* breaks;        ///< joints that broke, by index; always told
   size_t break_count;                    ///< how many
   const psim_touch_point* begin_points;  ///< of each event in `begin`
+  size_t begin_point_count;              ///< as many
   const psim_body_id* fell_asleep;       ///< at the end of the step
   size_t fell_asleep_count;              ///< how many
   const psim_body_id* woke;              ///< since the end of the step before; also by what the host did

@@ -151,9 +151,14 @@ void JointStore::change(JointId id, const JointDesc& d) {
       },
       [&] { make_extra(j, d); });
   const bool excluded = !j.desc.collide;
+  // What the layout knows of a joint, apart from its kind.
+  const auto known = [&] {
+    return std::tuple(j.desc.anchor_a, j.desc.anchor_b, j.desc.length, j.desc.lower || j.desc.upper, j.is_soft());
+  };
+  const auto before_it = known();
   set_desc(j, d);
   if (excluded != !d.collide) (excluded ? --exclusions_ : ++exclusions_);
-  stale_ = stale_ || j.extra != kNoSlot;  // it may break now
+  stale_ = stale_ || j.extra != kNoSlot || known() != before_it;  // with an extra it may break now
   const JointKind before = j.kind, now = kind_of(d);
   if (before == now || (before == JointKind::driven && now == JointKind::pin)) return;
   save_impulse(j);

@@ -290,16 +290,13 @@ void EventList::describe(Archive& a, std::uint32_t ids) {
 static void check_joint(Archive& a, const JointDesc& joint, const BodyStore& b) {
   a.require(joint.a.index != joint.b.index && joint.length && joint.reference);
   const bool alone = joint.type == JointType::pulley || joint.type == JointType::filter;
-  bool dynamic = false;
   for (const BodyId& end : {joint.a, joint.b}) {
     if (end == kWorldBody && !alone) continue;
     a.require(end.index < b.id_count && b.info[end.index].generation == end.generation);
     if (!a.ok()) return;
     const Place place = b.info[end.index].place;
     a.require(place != Place::none && place != Place::frozen);
-    dynamic = dynamic || b.properties(end.index).inv_mass > 0;
   }
-  a.require(dynamic);
 }
 
 // What a few joints have besides the basics.
