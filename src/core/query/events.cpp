@@ -351,7 +351,8 @@ void EventList::collect_sleep(const Observed& world, bool stepped) {
     std::ranges::sort(sleepers_, {}, &BodyId::index);  // Total order: no two have one index.
     slept_at_ = world.sleep.sleepers.changes;
     const auto by_index = [](BodyId x, BodyId y) { return x.index < y.index; };
-    const auto add_new = [&](const std::vector<BodyId>& now, const std::vector<BodyId>& before, std::vector<BodyId>& to) {
+    const auto add_new = [&](const std::vector<BodyId>& now, const std::vector<BodyId>& before,
+                             std::vector<BodyId>& to) {
       std::set_difference(now.begin(), now.end(), before.begin(), before.end(), std::back_inserter(to), by_index);
     };
     add_new(sleepers_, asleep_before_, fell_asleep_);
