@@ -32,8 +32,10 @@ for path in sorted(headers.rglob("*.h")):
             wrong.append(f"{path.name} does not mark with PSIM_API: {line}")
 for symbol in sorted(shown):
     name = re.sub(r"\[abi:\w+\]", "", symbol).split("(")[0]
+    derived_from = re.fullmatch(r"(?:vtable|typeinfo|typeinfo name) for psim::(\w+)", name)
     scopes = name.split("::")
-    public = (len(scopes) == 1 and name in c_names or
+    public = (derived_from is not None and derived_from[1] in classes or
+              len(scopes) == 1 and name in c_names or
               len(scopes) == 2 and scopes[0] == "psim" and scopes[1] in cpp_names or
               len(scopes) == 3 and scopes[0] == "psim" and scopes[1] in classes)
     if not public:
