@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 
+#include "psim/limits.h"
 #include "state/describe.h"
 
 namespace psim {
@@ -227,9 +228,12 @@ void describe_population(Archive& a, Population& p, bool lists) {
     const bool moves = a.ok() && (bodies.info[r.id].place == Place::moving || bodies.info[r.id].place == Place::asleep);
     a.require(moves && bodies.kind(r.id).restrained && r.linear_damping >= 0 && r.angular_damping >= 0);
   });
+  constexpr Range kPush{-1e60, 1e60};  // many calls of the largest force add up
   a.list(p.applied.entries(), [&](AppliedForce& f) {
     a.index(bodies.id_count, f.id);
     values(a, f.force, f.torque, f.impulse, f.spin);
+    a.require(kPush.contains(f.force) && kPush.contains(f.torque) && kPush.contains(f.impulse) &&
+              kPush.contains(f.spin));
     a.require(a.ok() && bodies.info[f.id].place == Place::moving);
   });
   if (a.loading()) a.require(p.kinematics.index() && p.bullets.index() && p.restraints.index() && p.applied.index());
