@@ -1,8 +1,7 @@
 #include "query/blast.h"
 
-#include <cmath>
-
 #include "base/elementary.h"
+#include "query/query_grid.h"
 #include "query/query_shapes.h"
 
 namespace psim {
@@ -48,9 +47,7 @@ std::vector<Blow> blows_of(const Explosion& explosion, const Observed& world, co
     const BodyProperties& properties = world.bodies.properties(id.index);
     if (!(properties.inv_mass > 0)) continue;
     const auto [place, angle] = world.stand(id.index);
-    Vec2 at = world.lattice.to_world(place) - explosion.position;
-    if (period.x > 0) at.x -= period.x * std::nearbyint(at.x / period.x);
-    if (period.y > 0) at.y -= period.y * std::nearbyint(at.y / period.y);
+    const Vec2 at = nearest_copy(world.lattice.to_world(place) - explosion.position, period);
     const BodyKind& kind = world.bodies.kinds[properties.kind];
     if (kind.hull_count == 0) strike(explosion, {{at}, 1, wide(properties.radius)}, id, blows);
     const SineCosine turn = sine_cosine(angle);

@@ -286,15 +286,8 @@ bool World::apply_impulse(BodyId id, Vec2 impulse) try {
 bool World::apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point) try {
   const FloatSettings settings;
   if (!can_move(*impl_, id)) return false;
-  const BodyStore& bodies = impl_->bodies;
-  const Vec2 period = impl_->observed().period();
-  Vec2 arm = point - impl_->lattice.to_world(bodies.point(bodies.info[id.index].slot));
-  if (period.x > 0) {  // to the nearest of the repeated copies of the point
-    arm.x -= period.x * std::nearbyint(arm.x / period.x);
-    arm.y -= period.y * std::nearbyint(arm.y / period.y);
-  }
-  const double turn = cross(arm, impulse);
-  if (turn != 0 && bodies.properties(id.index).rim_gain != 0) let_turn(*impl_);
+  const double turn = cross(arm_to(*impl_, id, point), impulse);
+  if (turn != 0 && impl_->bodies.properties(id.index).rim_gain != 0) let_turn(*impl_);
   return apply_impulse(id, impulse) && apply_angular_impulse(id, turn);
 } catch (const std::bad_alloc&) {
   return impl_->ran_out(false);

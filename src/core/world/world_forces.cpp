@@ -1,6 +1,4 @@
 // The host pushes bodies for a step, lets something explode, and changes the fields.
-#include <cmath>
-
 #include "base/room.h"
 #include "psim/limits.h"
 #include "query/blast.h"
@@ -29,15 +27,12 @@ bool add_force(Owners& w, BodyId id, Vec2 force, double torque) {
   return true;
 }
 
-// From the centre of mass of a body to the nearest of the repeated copies of a point.
-Vec2 arm_to(const Owners& w, BodyId id, Vec2 point, Vec2 period) {
-  Vec2 arm = point - w.lattice.to_world(w.bodies.point(w.bodies.info[id.index].slot));
-  if (period.x > 0) arm.x -= period.x * std::nearbyint(arm.x / period.x);
-  if (period.y > 0) arm.y -= period.y * std::nearbyint(arm.y / period.y);
-  return arm;
-}
-
 }  // namespace
+
+Vec2 arm_to(Owners& w, BodyId id, Vec2 point) {
+  const Vec2 centre = w.lattice.to_world(w.bodies.point(w.bodies.info[id.index].slot));
+  return nearest_copy(point - centre, w.observed().period());
+}
 
 bool World::apply_force(BodyId id, Vec2 force) try {
   const FloatSettings settings;
@@ -50,7 +45,7 @@ bool World::apply_force_at(BodyId id, Vec2 force, Vec2 point) try {
   const FloatSettings settings;
   Owners& w = *impl_;
   if (!limits::kForce.contains(force) || !limits::kCoordinate.contains(point) || !can_move(w, id)) return false;
-  return add_force(w, id, force, cross(arm_to(w, id, point, w.observed().period()), force));
+  return add_force(w, id, force, cross(arm_to(w, id, point), force));
 } catch (const std::bad_alloc&) {
   return impl_->ran_out(false);
 }

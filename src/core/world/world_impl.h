@@ -81,6 +81,8 @@ void freeze_body(Owners& w, const BodyState& last);
 void disturb(Owners& w, std::uint32_t id);
 /// Whether the host may move or push a body. From now on it is awake and its slot is known.
 bool can_move(Owners& w, BodyId id);
+/// From the centre of mass of a body that moves to the nearest of the repeated copies of a point (world_forces.cpp).
+Vec2 arm_to(Owners& w, BodyId id, Vec2 point);
 /// A body gets an angle or an angular velocity.
 void let_turn(Owners& w);
 

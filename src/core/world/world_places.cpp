@@ -70,10 +70,7 @@ std::optional<Vec2> World::velocity_at(BodyId id, Vec2 point) const {
   const Observed seen = impl_->observed();
   const BodyState s = seen.state_of(id.index);
   const Vec2 about = s.type == BodyType::kinematic_body ? Vec2{s.x, s.y} : centre_of(seen, s);
-  Vec2 arm = point - about;
-  const Vec2 period = seen.period();
-  if (period.x > 0) arm.x -= period.x * std::nearbyint(arm.x / period.x);
-  if (period.y > 0) arm.y -= period.y * std::nearbyint(arm.y / period.y);
+  const Vec2 arm = nearest_copy(point - about, seen.period());
   return Vec2{s.vx - s.omega * arm.y, s.vy + s.omega * arm.x};
 }
 
