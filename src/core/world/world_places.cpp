@@ -88,6 +88,7 @@ std::optional<Bounds> World::bounds_of(BodyId id) const {
     grown.add(outline_of(seen.bodies.hulls[kind.first_hull + k], turn, centre));
   }
   if (s.type != BodyType::static_body && kind.hull_count == 0) grown.add(centre, s.radius);
+  if (!(grown.box.xmin <= grown.box.xmax)) grown.add(centre, 0);  // a forged state may have bodies without pieces
   return grown.box;
 }
 
