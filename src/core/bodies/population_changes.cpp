@@ -61,6 +61,8 @@ void Population::freeze(const BodyState& last) {
 std::optional<Population::Change> Population::change(std::uint32_t id, const BodyDesc& d, std::string& error) {
   disabled.reserve(disabled.size() + 2);
   make_room_to_leave(1, true);
+  const BodyKind old = bodies.kind(id);  // it may have to come back, without memory
+  reserve({.type = bodies.properties(id).type(), .bullet = old.bullet, .locks = {.x = old.restrained}}, 0);
   std::optional<Newcomer> made = describe(d, error);
   if (!made) return std::nullopt;
   const BodyInfo& info = bodies.info[id];  // where it stays: room for one body more was made

@@ -77,6 +77,7 @@ bool World::set_body(BodyId id, const BodyDesc& d, std::string& error) try {
   disturb_joined(w, id.index);
   w.bodies.find_slots();
   w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id.index));
+  w.bodies.reserve_slots(w.sleep.sleepers.list.size() + 2);  // if it must come back, others may have woken meanwhile
   const bool was_out = is_out(w.bodies.info[id.index].place);
   const auto change = w.population.change(id.index, d, error);
   if (!change) return false;
