@@ -22,7 +22,7 @@ enum psim_draw_kind {
   PSIM_DRAW_BOUNDS = 9           ///< of the world
 };
 
-/// What is wanted, and the functions that draw it. `kind` is a psim_draw_kind; places are of the world, metres. A function
+/// Says what is wanted, and has the functions that draw it. `kind` is a psim_draw_kind; places are of the world, metres. A function
 /// that is NULL is not called. They must not call the world.
 typedef struct psim_debug_draw {
   uint32_t struct_size;  ///< set by psim_debug_draw_init

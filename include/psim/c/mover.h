@@ -11,7 +11,7 @@ extern "C" {
 /// A character. Made by psim_mover_create, freed by psim_mover_destroy. It belongs to no world.
 typedef struct psim_mover psim_mover;
 
-/// What a mover is: an upright capsule.
+/// Describes a mover: an upright capsule.
 typedef struct psim_mover_desc {
   uint32_t struct_size;             ///< set by psim_mover_desc_init
   int32_t reserved;                 ///< 0
@@ -38,7 +38,7 @@ typedef struct psim_mover_state {
   double squeezed;            ///< metres: how deep it is still in something after the last move; 0: it is free
 } psim_mover_state;
 
-/// What a mover met in a move.
+/// Tells of one body that a mover met in a move.
 typedef struct psim_mover_touch {
   psim_body_id body;  ///< that it met
   psim_vec2 point;    ///< metres
@@ -78,7 +78,7 @@ PSIM_API psim_result psim_mover_set_desc(psim_mover* mover, const psim_mover_des
 /// Where it is and what it stands on.
 PSIM_API psim_result psim_mover_get_state(const psim_mover* mover, psim_mover_state* state);
 
-/// What it met in the last move, each body once: `*count` of them, 16 at most, as many as fit written into `touches`.
+/// Tells what it met in the last move, each body once: `*count` of them, 16 at most, as many as fit written into `touches`.
 PSIM_API psim_result psim_mover_touches(const psim_mover* mover, psim_mover_touch* touches, size_t capacity,
                                         size_t* count);
 

@@ -168,7 +168,7 @@ PSIM_API psim_result psim_world_shape_cast(const psim_world* world, const psim_s
                                            double angle, psim_vec2 translation, double rotation,
                                            const psim_query_filter* filter, psim_shape_cast_hit* hit);
 
-/// What lies within `reach` metres of a shape placed at (position, angle), piece by piece, the nearest first.
+/// Finds what lies within `reach` metres of a shape placed at (position, angle), piece by piece, the nearest first.
 PSIM_API psim_result psim_world_nearby(const psim_world* world, const psim_shape* shape, psim_vec2 position,
                                        double angle, double reach, const psim_query_filter* filter, psim_near_hit* hits,
                                        size_t capacity, size_t* count);

@@ -69,8 +69,9 @@ class JointStore {
   void remove_of_body(std::uint32_t body);
 
   bool any_fragile() const { return !fragile_.empty(); }
+  /// All indices of joints are below this one.
+  std::uint32_t indices() const { return static_cast<std::uint32_t>(joints_.size()); }
   /// The handle of the joint of an index; kNoJoint if there is none.
-  std::uint32_t indices() const { return static_cast<std::uint32_t>(joints_.size()); }  ///< that joints may have
   JointId id_of(std::uint32_t index) const {
     return joints_[index].alive ? JointId{index, joints_[index].generation} : kNoJoint;
   }

@@ -21,11 +21,6 @@ constexpr std::size_t kMostNear = 16;  // pieces that one look sees
 constexpr double kStill = 1e-9;        // m: ground that goes no farther stands still, but for rounding
 constexpr int kMostRides = 64;         // parts of a way on a platform; one that is longer is a jump
 
-// m/s: of a point of a body.
-Vec2 velocity_at(const BodyState& s, Vec2 point) {
-  return Vec2{s.vx, s.vy} + s.omega * upright(point - Vec2{s.x, s.y});
-}
-
 // From one point of a periodic world to the nearest copy of the other.
 Vec2 nearest_way(const World& world, Vec2 way) {
   if (world.desc().boundary != Boundary::periodic) return way;
@@ -97,10 +92,12 @@ struct MoverWork {
     }
   }
 
+  // m/s: of a point of a body that is there.
+  Vec2 velocity_at(BodyId body, Vec2 point) const { return world.velocity_at(body, point).value_or(Vec2{}); }
+
   // Whether a shape that is solid from one side, and in which the foot is, came against the mover in the last step.
   bool catches(const NearHit& near) const {
-    const auto body = world.body(near.body);
-    const double closing = body ? dot(velocity_at(*body, near.point) - mover.velocity_, near.normal) : 0;
+    const double closing = dot(velocity_at(near.body, near.point) - mover.velocity_, near.normal);
     return closing >= 0 && -near.distance <= desc.skin + closing * dt;
   }
 
@@ -129,7 +126,7 @@ struct MoverWork {
     if (!body) return;
     const SineCosine turn = sine_cosine(body->angle);
     mover.anchor_ = turned({-turn.sine, turn.cosine}, nearest_way(world, ground->point - Vec2{body->x, body->y}));
-    mover.ground_.velocity = velocity_at(*body, Vec2{body->x, body->y} + turned(turn, mover.anchor_));
+    mover.ground_.velocity = velocity_at(ground->body, Vec2{body->x, body->y} + turned(turn, mover.anchor_));
     if (const auto has = world.traits(ground->body)) {
       mover.ground_.velocity = mover.ground_.velocity + has->tangent_speed * Vec2{ground->normal.y, -ground->normal.x};
     }
@@ -147,7 +144,7 @@ struct MoverWork {
       const auto has = world.traits(t.body);
       if (!body || !has || body->type != BodyType::dynamic_body || !(has->mass > 0)) continue;
       const Vec2 arm = nearest_way(world, t.point - Vec2{body->x, body->y}), at = Vec2{body->x, body->y} + arm;
-      const double closing = -dot(velocity - velocity_at(*body, at), t.normal);
+      const double closing = -dot(velocity - velocity_at(t.body, at), t.normal);
       const double turn = cross(arm, t.normal);
       const double yield = 1 / has->mass + (has->inertia > 0 ? turn * turn / has->inertia : 0);
       const double impulse = lesser(desc.push_force * dt, closing / yield);
