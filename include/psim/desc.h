@@ -123,6 +123,7 @@ struct ShapePart {
   std::optional<double> tangent_speed = {};       ///< m/s, as in Material
   std::optional<double> rolling_resistance = {};  ///< 0..1, as in Material
   std::optional<Vec2> one_way = {};               ///< as in BodyDesc
+  std::optional<bool> pre_solve = {};             ///< as in BodyDesc
 };
 
 /// Several shapes that move as one. They may overlap: mass, centre of mass and inertia are the sums over the parts.
@@ -157,6 +158,8 @@ struct BodyDesc {
   Vec2 one_way = {};
   bool enabled = true;          ///< else it takes no part in the world until World::set_enabled
   std::uint64_t user_data = 0;  ///< whatever the host likes: World::user_data
+  bool pre_solve = false;       ///< the host is shown its new contacts, before they are solved: World::set_pre_solve
+  bool can_sleep = true;        ///< else it stays awake, of a dynamic body
 };
 
 /// What can be changed of a body at any time (World::set_traits).
@@ -175,6 +178,8 @@ struct BodyTraits {
   double linear_damping = 0;      ///< 1/s
   double angular_damping = 0;     ///< 1/s
   Locks locks = {};               ///< directions in which it does not move
+  bool pre_solve = false;         ///< as in BodyDesc; where parts differ, false
+  bool can_sleep = true;          ///< as in BodyDesc
   /// All alike.
   friend bool operator==(const BodyTraits&, const BodyTraits&) = default;
 };
@@ -214,8 +219,31 @@ struct DragField {
   double quadratic = 0;  ///< 1/m
 };
 
+/// Water, or another liquid, without its particles: what lies in the region is lifted by the weight of what it displaces,
+/// of each part where its area is, and slowed. Rods have no area. Sensors meet nothing.
+struct BuoyancyField {
+  Bounds region = {};                ///< metres: a side of it is the surface, whatever gravity is
+  double density = 1;                ///< kg/m^2, > 0: what is lighter floats
+  double linear_damping = 0;         ///< 1/s, of a body that is wholly in it; else the share of its area
+  double angular_damping = 0;        ///< 1/s, likewise
+  Vec2 flow = {};                    ///< m/s: what is slowed takes this velocity
+  std::uint32_t mask = 0xFFFFFFFFu;  ///< parts whose category is in it
+};
+
+/// Wind on all bodies, of which each part is met by itself. A width w that faces the air, which comes with the speed u as
+/// seen from there, is pushed along the wind by drag * density * w u^2 / 2; and if it leans by the angle a, to the side by
+/// lift * density * w sin(a) u^2 / 2.
+struct WindField {
+  Vec2 velocity = {};                 ///< m/s, of the air
+  double density = 1;                 ///< kg/m^2, > 0, of the air
+  double drag = 1;                    ///< 0 to 1000
+  double lift = 0;                    ///< 0 to 1000
+  std::optional<Bounds> region = {};  ///< metres: bodies whose centre of mass is there; else all
+  std::uint32_t mask = 0xFFFFFFFFu;   ///< parts whose category is in it
+};
+
 /// What acts on every body.
-using Field = std::variant<WellField, DragField>;
+using Field = std::variant<WellField, DragField, BuoyancyField, WindField>;
 
 /// A push away from a point: on each part of a body it is `impulse_per_length` times the width that the part shows to the
 /// point, at the part's nearest point.
@@ -239,7 +267,7 @@ struct WorldDesc {
   double linear_damping = 0;                   ///< 1/s: dv/dt = -c v, integrated exactly
   Material wall = {};                          ///< of the four sides, when boundary is `walls`
   MixingRules mixing = {};                     ///< of materials in contact
-  std::vector<Field> fields = {};              ///< wells and drag
+  std::vector<Field> fields = {};              ///< wells, drag, wind, water
   double dt = 1.0 / 60;                        ///< seconds a frame, above 0, at most 10
   int substeps = 4;                            ///< 1..64
   Integrator integrator = Integrator::verlet;  ///< of wells and drag

@@ -32,6 +32,8 @@ struct HitEvent {
   Vec2 point = {};   ///< metres
   Vec2 normal = {};  ///< from a to b
   double speed = 0;  ///< m/s, of approach along the normal
+  /// N s: that changed the approach as it did, if nothing else acted on the two there. 0 if neither is dynamic.
+  double impulse = 0;
 };
 
 /// What is collected.

@@ -57,6 +57,8 @@ class PSIM_API Recorder {
   bool set_joint(JointId id, const JointDesc& desc, std::string& error);
   bool set_motor(JointId id, double speed, double limit);
   bool set_target(JointId id, Vec2 point);
+  /// The world's present function is taken over at the start, and handed back at the end. What it decides is recorded.
+  void set_pre_solve(PreSolve pre_solve);
   ///@}
   /// A detail that a governor chose in another run.
   StepReport replay(const StepDetail& detail);

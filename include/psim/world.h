@@ -18,6 +18,7 @@
 #include "psim/events.h"
 #include "psim/jobs.h"
 #include "psim/joint.h"
+#include "psim/pre_solve.h"
 #include "psim/query.h"
 #include "psim/report.h"
 
@@ -233,6 +234,19 @@ class PSIM_API World {
   /// What the last step told.
   Events events() const;
 
+  /// Lets the host decide new contacts of bodies that ask (BodyDesc::pre_solve), before the first step that solves them:
+  /// let the parts go through each other, or change how they bounce and rub. In each step it is called at most once for
+  /// all that are new, on the thread that steps, never beside another call, and the order is the same everywhere. A
+  /// decision lasts until the parts are apart, and if one of the bodies sleeps, also until it woke. Numbers out of their
+  /// ranges (psim/limits.h) change nothing. Contacts that touch already are new to a function that is set later. Empty:
+  /// nobody is asked any more. The function may call const functions of this world that tell of one body, none that change
+  /// it, and throws nothing but std::bad_alloc: then the step does not happen. A contact that only comes about within a
+  /// step, after an impact with something else, is shown in the next one. It is not part of saved states, what it decided
+  /// is.
+  void set_pre_solve(PreSolve pre_solve);
+  /// The function that was set.
+  const PreSolve& pre_solve() const;
+
   /// What touches, as of the end of the last step: every contact that carries an impulse or overlaps, with walls
   /// and static bodies too, ordered by a, then b, then normal, then point; the same on every ISA and any number of
   /// threads. A contact's impulse is what it carried in the last substep, times the substeps: what a resting
@@ -255,7 +269,7 @@ class PSIM_API World {
   /// Makes the arrays of a step without taking one, and the lists of the first step, which then costs no more than
   /// later ones: for the end of loading, after everything was added. Changes no result: if the world is changed or
   /// asked for its contacts before the first step, that step makes the lists again. After the first step it does
-  /// nothing.
+  /// nothing, nor where there are contacts to be decided (set_pre_solve).
   void prepare();
 
   /// Advances by desc.dt. Deterministic: the same calls give the same bits on every ISA and any

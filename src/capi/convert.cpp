@@ -106,9 +106,60 @@ std::string convert(const psim_field& field, Field& out) {
   }
 }
 
+bool is_medium(const Field& field) {
+  return std::holds_alternative<BuoyancyField>(field) || std::holds_alternative<WindField>(field);
+}
+
+psim_medium to_medium(const Field& field) {
+  psim_medium out{};
+  if (const auto* wind = std::get_if<WindField>(&field)) {
+    out.type = PSIM_MEDIUM_WIND;
+    out.has_region = wind->region.has_value();
+    out.region = to_c(wind->region.value_or(Bounds{0, 0, 0, 0}));
+    out.velocity = to_c(wind->velocity);
+    out.density = wind->density, out.drag = wind->drag, out.lift = wind->lift;
+    out.mask = wind->mask;
+    return out;
+  }
+  const auto& water = std::get<BuoyancyField>(field);
+  out.type = PSIM_MEDIUM_WATER;
+  out.has_region = 1;
+  out.region = to_c(water.region);
+  out.velocity = to_c(water.flow);
+  out.density = water.density;
+  out.linear_damping = water.linear_damping, out.angular_damping = water.angular_damping;
+  out.mask = water.mask;
+  return out;
+}
+
+std::string convert(const psim_medium& medium, Field& out) {
+  if (medium.reserved != 0) return kNotZero;
+  const Bounds region = to_cpp(medium.region);
+  switch (medium.type) {
+    case PSIM_MEDIUM_WATER:
+      out = BuoyancyField{region, medium.density, medium.linear_damping, medium.angular_damping,
+                          to_cpp(medium.velocity), medium.mask};
+      return {};
+    case PSIM_MEDIUM_WIND:
+      out = WindField{to_cpp(medium.velocity), medium.density, medium.drag, medium.lift,
+                      medium.has_region != 0 ? std::optional(region) : std::nullopt, medium.mask};
+      return {};
+    default:
+      return "medium type " + number(medium.type) + " is none of psim_medium_type, 0 or 1";
+  }
+}
+
+std::string convert(const psim_medium* media, std::size_t count, std::vector<Field>& out) {
+  if (media == nullptr && count != 0) return "media must not be NULL";
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::string wrong = convert(media[k], out.emplace_back());
+    if (!wrong.empty()) return "medium " + std::to_string(k) + ": " + wrong;
+  }
+  return {};
+}
+
 std::string convert(const psim_field* fields, std::size_t count, std::vector<Field>& out) {
   if (fields == nullptr && count != 0) return "fields must not be NULL";
-  out.clear();
   for (std::size_t k = 0; k < count; ++k) {
     Field field;
     const std::string wrong = convert(fields[k], field);
@@ -126,7 +177,9 @@ std::string convert(const psim_world_desc& desc, WorldDesc& out) {
     return "integrator " + number(desc.integrator) + " is none of psim_integrator, 0 to 3";
   }
   if (desc.reserved != 0) return kNotZero;
+  out.fields.clear();
   if (std::string wrong = convert(desc.fields, desc.field_count, out.fields); !wrong.empty()) return wrong;
+  if (std::string wrong = convert(desc.media, desc.medium_count, out.fields); !wrong.empty()) return wrong;
   out.bounds = to_cpp(desc.bounds);
   out.boundary = *boundary;
   out.gravity = to_cpp(desc.gravity);
@@ -163,7 +216,6 @@ std::string convert(const psim_run_options& options, RunOptions& out) {
 namespace {
 
 std::string convert(const psim_shape_part& part, ShapePart& out) {
-  if (part.reserved != 0 || part.reserved_2 != 0) return kNotZero;
   Shape shape;
   std::string wrong = psim::capi::convert(part.shape, shape);
   if (!wrong.empty()) return wrong;
@@ -181,6 +233,7 @@ std::string convert(const psim_shape_part& part, ShapePart& out) {
   if (part.has_one_way != 0) out.one_way = to_cpp(part.one_way);
   if (part.has_filter != 0) out.filter = to_cpp(part.filter);
   if (part.has_sensor != 0) out.sensor = part.sensor != 0;
+  if (part.has_pre_solve != 0) out.pre_solve = part.pre_solve != 0;
   return {};
 }
 
@@ -209,7 +262,8 @@ std::string convert_surfaces(const psim_body_desc& desc, Shape& out) {
 }  // namespace
 
 std::string convert(const psim_body_traits& traits, BodyTraits& out) {
-  if (traits.reserved != 0) return kNotZero;
+  if (traits.reserved_2 != 0) return kNotZero;
+  out.can_sleep = traits.sleepless == 0;
   const psim_surface& s = traits.surface;
   out.filter = to_cpp(traits.filter);
   out.restitution = s.restitution, out.friction = s.friction;
@@ -223,6 +277,7 @@ std::string convert(const psim_body_traits& traits, BodyTraits& out) {
   out.linear_damping = traits.linear_damping;
   out.angular_damping = traits.angular_damping;
   out.locks = {traits.lock_x != 0, traits.lock_y != 0, traits.lock_angle != 0};
+  out.pre_solve = traits.pre_solve != 0;
   return {};
 }
 
@@ -240,6 +295,8 @@ psim_body_traits to_c(const BodyTraits& t) {
   out.linear_damping = t.linear_damping;
   out.angular_damping = t.angular_damping;
   out.lock_x = t.locks.x, out.lock_y = t.locks.y, out.lock_angle = t.locks.angle;
+  out.pre_solve = t.pre_solve;
+  out.sleepless = !t.can_sleep;
   return out;
 }
 
@@ -261,17 +318,32 @@ std::string convert(const psim_body_desc& desc, BodyDesc& out) {
   out.bullet = desc.bullet != 0;
   out.sensor = desc.sensor != 0;
   out.filter = to_cpp(desc.filter);
-  if (desc.reserved != 0 || desc.reserved_2 != 0) return kNotZero;
+  if (desc.reserved != 0 || desc.reserved_3 != 0) return kNotZero;
+  out.can_sleep = desc.sleepless == 0;
   out.material.tangent_speed = desc.tangent_speed;
   out.material.rolling_resistance = desc.rolling_resistance;
   out.one_way = to_cpp(desc.one_way);
   out.enabled = desc.disabled == 0;
   out.user_data = desc.user_data;
+  out.pre_solve = desc.pre_solve != 0;
   if (wrong = convert_surfaces(desc, out.shape); !wrong.empty()) return wrong;
   out.linear_damping = desc.linear_damping;
   out.angular_damping = desc.angular_damping;
   out.locks = {desc.lock_x != 0, desc.lock_y != 0, desc.lock_angle != 0};
   return {};
+}
+
+psim_new_contact to_c(const NewContact& c) {
+  return {to_c(c.a),    to_c(c.b), c.part_a, c.part_b, to_c(c.point), to_c(c.normal), c.separation,
+          c.speed,      c.enabled, 0,        c.friction, c.restitution, c.tangent_speed, c.rolling_resistance};
+}
+
+void take_answer(const psim_new_contact& answer, NewContact& contact) {
+  contact.enabled = answer.enabled != 0;
+  contact.friction = answer.friction;
+  contact.restitution = answer.restitution;
+  contact.tangent_speed = answer.tangent_speed;
+  contact.rolling_resistance = answer.rolling_resistance;
 }
 
 std::string convert(const psim_joint_desc& desc, JointDesc& out) {

@@ -23,6 +23,9 @@ inline psim_filter to_c(const Filter& f) { return {f.category, f.mask, f.group};
 inline psim_ray_hit to_c(const RayHit& h) { return {to_c(h.body), to_c(h.point), to_c(h.normal), h.fraction}; }
 psim_cost_model to_c(const CostModel& m);
 psim_body_traits to_c(const BodyTraits& traits);
+psim_new_contact to_c(const NewContact& contact);
+/// What the caller made of a contact.
+void take_answer(const psim_new_contact& answer, NewContact& contact);
 psim_joint_desc to_c(const JointDesc& desc);
 psim_field to_c(const Field& field);
 
@@ -44,6 +47,10 @@ std::optional<Enum> to_enum(std::int32_t value, Enum last) {
 /// Each of these returns one line of what is wrong, or nothing.
 std::string convert(const psim_shape& shape, Shape& out);
 std::string convert(const psim_field& field, Field& out);
+bool is_medium(const Field& field);
+psim_medium to_medium(const Field& field);
+/// Appends fields.
+std::string convert(const psim_medium* media, std::size_t count, std::vector<Field>& out);
 std::string convert(const psim_field* fields, std::size_t count, std::vector<Field>& out);
 std::string convert(const psim_world_desc& desc, WorldDesc& out);
 std::string convert(const psim_run_options& options, RunOptions& out);
@@ -73,7 +80,7 @@ static_assert(static_cast<int>(JointType::prismatic) == PSIM_JOINT_PRISMATIC);
 static_assert(static_cast<int>(JointType::weld) == PSIM_JOINT_WELD);
 // A compound has no number of its own: it is psim_body_desc::parts.
 static_assert(std::variant_size_v<PartShape> == 6 && std::variant_size_v<Shape> == 7 &&
-              std::variant_size_v<Field> == 2);
+              std::variant_size_v<Field> == 4);
 static_assert(kStageCount <= PSIM_STAGE_ROOM);
 
 }  // namespace psim::capi

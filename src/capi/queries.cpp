@@ -195,8 +195,10 @@ psim_result psim_world_events(psim_world* world, psim_events* events) {
       world->moves.push_back({to_c(e.body), to_c(e.position), e.angle, e.fell_asleep ? 1 : 0, 0});
     }
     world->hits.clear();
+    world->hit_impulses.clear();
     for (const psim::HitEvent& e : from.hits) {
       world->hits.push_back({to_c(e.a), to_c(e.b), to_c(e.point), to_c(e.normal), e.speed});
+      world->hit_impulses.push_back(e.impulse);
     }
     world->breaks.clear();
     for (const psim::JointBreak& b : from.breaks) {
@@ -211,6 +213,8 @@ psim_result psim_world_events(psim_world* world, psim_events* events) {
     out.end_count = world->end.size();
     out.hits = world->hits.data();
     out.hit_count = world->hits.size();
+    out.hit_impulses = world->hit_impulses.data();
+    out.hit_impulse_count = world->hit_impulses.size();
     out.sensor_begin = world->sensor_begin.data();
     out.sensor_begin_count = world->sensor_begin.size();
     out.sensor_end = world->sensor_end.data();

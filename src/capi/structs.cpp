@@ -149,7 +149,14 @@ psim_result read_options(const Call& call, const psim_run_options* options, RunO
 
 void keep_fields(psim_world& handle) {
   handle.fields.clear();
-  for (const Field& field : handle.world->desc().fields) handle.fields.push_back(to_c(field));
+  handle.media.clear();
+  for (const Field& field : handle.world->desc().fields) {
+    if (is_medium(field)) {
+      handle.media.push_back(to_medium(field));
+    } else {
+      handle.fields.push_back(to_c(field));
+    }
+  }
 }
 
 std::string wrong_size(const char* what, std::uint32_t size, std::size_t known) {

@@ -101,6 +101,17 @@ psim_result create(const Call& call, const psim_world_desc* desc, const psim_run
   return PSIM_OK;
 }
 
+// The present fields become these, unless something is wrong with them.
+psim_result set_fields(psim_world& world, const std::vector<psim::Field>& given, std::string& wrong, const Call& call) {
+  world.fields.reserve(given.size());  // keep_fields() needs no memory then
+  world.media.reserve(given.size());
+  if (!wrong.empty() || !world.changed([&](auto& w) { return w.set_fields(given, wrong); })) {
+    return call.fail(PSIM_ERROR_ARGUMENT, wrong);
+  }
+  keep_fields(world);
+  return PSIM_OK;
+}
+
 // One parallel_for of the engine on the caller's job system. Nothing may be thrown through the
 // caller's code: it is kept, and thrown on the thread that steps.
 struct HostLoop {
@@ -197,15 +208,20 @@ psim_result psim_world_set_gravity(psim_world* world, psim_vec2 gravity) {
 }
 
 psim_result psim_world_set_fields(psim_world* world, const psim_field* fields, size_t count) {
-  return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
     std::vector<psim::Field> given;
     std::string wrong = convert(fields, count, given);
-    world->fields.reserve(count);  // keep_fields() needs no memory then
-    if (wrong.empty() && world->changed([&](auto& w) { return w.set_fields(given, wrong); })) {
-      keep_fields(*world);
-      return PSIM_OK;
-    }
-    return call.fail(PSIM_ERROR_ARGUMENT, wrong);
+    std::ranges::copy_if(w.desc().fields, std::back_inserter(given), is_medium);
+    return set_fields(*world, given, wrong, call);
+  });
+}
+
+psim_result psim_world_set_media(psim_world* world, const psim_medium* media, size_t count) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    std::vector<psim::Field> given;
+    std::ranges::copy_if(w.desc().fields, std::back_inserter(given), std::not_fn(is_medium));
+    std::string wrong = convert(media, count, given);
+    return set_fields(*world, given, wrong, call);
   });
 }
 
@@ -240,6 +256,23 @@ psim_result psim_world_set_governor(psim_world* world, const psim_governor_desc*
   });
 }
 
+psim_result psim_world_set_pre_solve(psim_world* world, psim_pre_solve function, void* user) {
+  return guarded(world, __func__, [&](psim::World&, const Call&) -> psim_result {
+    psim::PreSolve asked;
+    if (function != nullptr) {
+      asked = [function, user](std::span<psim::NewContact> contacts) {
+        std::vector<psim_new_contact> shown;
+        shown.reserve(contacts.size());
+        for (const psim::NewContact& c : contacts) shown.push_back(to_c(c));
+        function(user, shown.data(), shown.size());
+        for (std::size_t k = 0; k < shown.size(); ++k) take_answer(shown[k], contacts[k]);
+      };
+    }
+    world->changed([&](auto& w) { w.set_pre_solve(std::move(asked)); });
+    return PSIM_OK;
+  });
+}
+
 psim_result psim_world_set_job_system(psim_world* world, const psim_job_system* jobs) {
   return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
     if (jobs == nullptr) {
@@ -267,6 +300,8 @@ psim_result psim_world_get_desc(const psim_world* world, psim_world_desc* desc) 
     d.wall = to_c(from.wall);
     d.fields = world->fields.data();
     d.field_count = world->fields.size();
+    d.media = world->media.data();
+    d.medium_count = world->media.size();
     d.dt = from.dt;
     d.substeps = from.substeps;
     d.integrator = static_cast<int32_t>(from.integrator);

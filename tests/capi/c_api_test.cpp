@@ -152,9 +152,10 @@ TEST(CApi, ErrorsSayWhatAndWhere) {
   body.parts = parts;
   EXPECT_EQ(psim_world_add_body(c.world, &body, nullptr), PSIM_ERROR_ARGUMENT);
   EXPECT_EQ(c.last().rfind("psim_world_add_body: part 1: height", 0), 0u) << c.last();
-  parts[1].reserved = 1;
+  parts[1].shape = psim_box(1, 1);
+  body.reserved = 1;
   EXPECT_EQ(psim_world_add_body(c.world, &body, nullptr), PSIM_ERROR_ARGUMENT);
-  EXPECT_EQ(c.last(), "psim_world_add_body: part 1: reserved must be 0");
+  EXPECT_EQ(c.last(), "psim_world_add_body: reserved must be 0");
   EXPECT_EQ(psim_world_add_body(c.world, nullptr, nullptr), PSIM_ERROR_ARGUMENT);
   EXPECT_EQ(psim_world_step_by(c.world, kNaN, nullptr), PSIM_ERROR_ARGUMENT);
   EXPECT_EQ(psim_world_step(nullptr, nullptr), PSIM_ERROR_ARGUMENT);

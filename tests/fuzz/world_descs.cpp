@@ -121,6 +121,7 @@ CompoundShape compound(ByteSource& in) {
     ByteSource own(digits);
     if (own.chance(40)) part.filter = Filter{1u << own.below(8), own.byte(), 0};
     if (own.chance(20)) part.sensor = own.chance(128);
+    if (own.chance(20)) part.pre_solve = own.chance(128);
     all.parts.push_back(std::move(part));
   }
   return all;
@@ -169,6 +170,8 @@ BodyDesc body(ByteSource& in) {
   if (own.chance(16)) d.one_way = {own.uniform(-1, 1), own.uniform(-1, 1)};
   d.enabled = !own.chance(8);
   d.user_data = own.byte();
+  d.pre_solve = own.chance(24);
+  d.can_sleep = !own.chance(12);
   return d;
 }
 

@@ -205,6 +205,7 @@ void Session::replace_last() {
     require(w != nullptr, "from_state: the state just saved: " + error);
     w->set_governor(governor_);
     w->enable_snapshots(snapshots_);
+    w->set_pre_solve(worlds_.front()->pre_solve());
   } else {
     const bool restored = w->restore(state, error);
     require(restored, "restore: the state just saved: " + error);

@@ -186,6 +186,8 @@ void Session::change_body(BodyId id, Vec2 place) {
     if (own.chance(32)) to.linear_damping = own.uniform(0, 5);
     if (own.chance(32)) to.angular_damping = own.uniform(0, 5);
     if (own.chance(32)) to.locks = {own.chance(128), own.chance(128), own.chance(128)};
+    if (own.chance(32)) to.pre_solve = own.chance(128);
+    if (own.chance(32)) to.can_sleep = own.chance(128);
     say("traits %u", id.index);
     const bool done = change<bool>("set_traits", [&](auto& w) { return w.set_traits(id, to); });
     require(!done || is_live(id), "set_traits: a body that is not there");
@@ -193,6 +195,7 @@ void Session::change_body(BodyId id, Vec2 place) {
       const BodyTraits now = worlds_.front()->traits(id).value();
       const bool dynamic = worlds_.front()->body(id)->type == BodyType::dynamic_body;
       require(now.filter == to.filter, "set_traits: the filter");
+      require(!dynamic || now.can_sleep == to.can_sleep, "set_traits: whether it can sleep");
       require(!dynamic || now.locks == to.locks, "set_traits: the locks");
       require(!dynamic || std::fabs(now.mass - to.mass) <= 1e-6 * to.mass, "set_traits: the mass");
     }

@@ -1,5 +1,6 @@
 // Bodies are pushed, something explodes, fields change, bodies get other descriptions.
 #include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -7,6 +8,37 @@
 #include "world_session.h"
 
 namespace psim::fuzz {
+namespace {
+
+// Decides by who meets whom; some of its numbers are wrong.
+void decide(std::span<NewContact> contacts) {
+  for (NewContact& c : contacts) {
+    const std::uint32_t which = (c.a.index * 31 + c.b.index * 17 + c.part_a * 5 + c.part_b) % 12;
+    if (which == 0) c.enabled = false;
+    if (which == 1) c.friction = 2;
+    if (which == 2) c.restitution = 0.9;
+    if (which == 3) c.tangent_speed = -3, c.friction = 1;
+    if (which == 4) c.friction = std::numeric_limits<double>::quiet_NaN();
+    if (which == 5) c.restitution = 7, c.enabled = c.speed < 5;
+  }
+}
+
+Field medium(ByteSource& own) {
+  const Bounds region{own.number(-kHalf, 0), own.number(-kHalf, 0), own.number(1, kHalf), own.number(1, kHalf)};
+  if (own.chance(128)) {
+    return BuoyancyField{region, own.number(0.1, 5), own.number(0, 3), own.number(0, 3), own.vec2(-3, 3), 0xFFFFFFFFu};
+  }
+  WindField wind;
+  wind.velocity = own.vec2(-30, 30);
+  wind.density = own.number(0.01, 2);
+  wind.drag = own.number(0, 2);
+  wind.lift = own.chance(128) ? own.number(0, 2) : 0;
+  if (own.chance(64)) wind.region = region;
+  wind.mask = own.byte();
+  return wind;
+}
+
+}  // namespace
 
 void Session::push_body(BodyId id, Vec2 place) {
   const Digits digits({place.y, place.x});
@@ -36,6 +68,12 @@ void Session::push_body(BodyId id, Vec2 place) {
     change<std::optional<std::size_t>>("explode", [&](auto& w) { return w.explode(blast); });
   }
   if (own.chance(12)) change_fields(own);
+  if (own.chance(12)) {
+    const bool on = own.chance(192);
+    say("pre_solve %d", on);
+    change<bool>("set_pre_solve", [&](auto& w) { return w.set_pre_solve(on ? PreSolve(decide) : PreSolve()), true; });
+    for (const auto& w : worlds_) require((w->pre_solve() != nullptr) == on, "set_pre_solve does so");
+  }
   if (own.chance(24)) {
     const BodyDesc to = body(own);
     say("body %u becomes type %d shape %zu", id.index, static_cast<int>(to.type), to.shape.index());
@@ -56,7 +94,9 @@ void Session::push_body(BodyId id, Vec2 place) {
 void Session::change_fields(ByteSource& own) {
   std::vector<Field> fields;
   while (fields.size() < 3 && own.chance(128)) {
-    if (own.chance(128)) {
+    if (own.chance(96)) {
+      fields.push_back(medium(own));
+    } else if (own.chance(128)) {
       fields.push_back(WellField{own.vec2(-kHalf, kHalf), own.number(-50, 50), own.number(0, 1), own.number(0, 3),
                                  own.chance(128) ? own.number(0, 10) : 0});
     } else {

@@ -216,6 +216,22 @@ std::vector<std::byte> seed_recording(World& world, bool governed) {
   recorder.set_transform(other, {3, 4}, 0.5);
   recorder.set_gravity({1, -5});
   recorder.set_skin(2);
+  recorder.set_pre_solve([](std::span<NewContact> contacts) {
+    for (NewContact& c : contacts) c.enabled = c.b.index % 2 == 0, c.friction = 0.3;
+  });
+  BodyDesc asks = disc({1, 6});
+  asks.pre_solve = true;
+  const BodyId asking = recorder.add_body(asks, error);
+  recorder.set_fields({BuoyancyField{{-50, -50, 50, 1}, 2, 1}, WindField{{3, 0}, 0.1}}, error);
+  recorder.apply_force(other, {1, 2});
+  recorder.apply_torque(other, 0.5);
+  recorder.explode({{1, 1}, 1, 2, 3});
+  asks.shape = BoxShape{1, 0.5};
+  recorder.set_body(asking, asks, error);
+  BodyTraits traits = *world.traits(other);
+  traits.pre_solve = true;
+  recorder.set_traits(other, traits);
+  recorder.set_user_data(other, 7);
   if (governed) recorder.replay({2, true, 1, 1});
   recorder.step(0.01);
   recorder.remove_joint(tied);

@@ -33,6 +33,8 @@ typedef struct psim_world_desc {
   int32_t friction_mixing;         ///< psim_mixing; default the geometric mean
   double wall_tangent_speed;       ///< m/s, as in psim_surface: of the walls; default 0
   double wall_rolling_resistance;  ///< 0 to 1, as in psim_surface: of the walls; default 0
+  const psim_medium* media;        ///< wind and water; NULL if there are none
+  size_t medium_count;             ///< how many there are; default 0
 } psim_world_desc;
 
 /// How the caller wants the world run. None of it changes a bit of the result.
@@ -79,7 +81,9 @@ typedef struct psim_body_desc {
   size_t surface_count;  ///< how many there are
   uint64_t user_data;    ///< whatever the caller likes: psim_world_user_data
   int32_t disabled;      ///< flag: it takes no part in the world until psim_world_set_enabled
-  int32_t reserved_2;    ///< 0
+  int32_t pre_solve;     ///< flag: the caller is shown its new contacts: psim_world_set_pre_solve
+  int32_t sleepless;     ///< flag: it stays awake, of a dynamic body
+  int32_t reserved_3;    ///< 0
 } psim_body_desc;
 
 /// psim_world_traits reads these of a body, and psim_world_set_traits changes them at any time.
@@ -98,7 +102,9 @@ typedef struct psim_body_traits {
   int32_t lock_x;          ///< flag: it does not move along x
   int32_t lock_y;          ///< flag: it does not move along y
   int32_t lock_angle;      ///< flag: it does not turn
-  int32_t reserved;        ///< 0
+  int32_t pre_solve;       ///< flag: as in psim_body_desc; of parts that differ: 0
+  int32_t sleepless;       ///< flag: as in psim_body_desc
+  int32_t reserved_2;      ///< 0
 } psim_body_traits;
 
 /// Many discs that share everything but place, size and speed. Columns of `count` numbers; one whose
@@ -257,6 +263,31 @@ typedef struct psim_job_system {
   /// NULL: the world's own workers
   void (*parallel_for)(void* user, size_t count, psim_job_function function, void* job);
 } psim_job_system;
+
+/// A contact that is new: two parts, of which one asks (psim_body_desc.pre_solve), have come near each other and may
+/// touch in this step. The members from `enabled` on may be changed; numbers out of their ranges change nothing.
+typedef struct psim_new_contact {
+  psim_body_id a;  ///< a.index < b.index
+  psim_body_id b;  ///< psim_no_body() for a wall of the world
+  /// The number of the part, or of the segment in a chain with surfaces of its own; else 0. In a kinematic body each
+  /// segment counts.
+  uint32_t part_a;
+  uint32_t part_b;            ///< likewise; of a wall 0
+  psim_vec2 point;            ///< metres: midway between the two surfaces
+  psim_vec2 normal;           ///< of length 1, from a to b
+  double separation;          ///< metres: between the surfaces along the normal, negative in overlap
+  double speed;               ///< m/s: of approach along the normal there; negative: they part
+  int32_t enabled;            ///< flag: else the parts go through each other
+  int32_t reserved;           ///< 0
+  double friction;            ///< of the two together, 0..1000
+  double restitution;         ///< likewise, 0..1
+  double tangent_speed;       ///< m/s: the sum of both, as in psim_surface
+  double rolling_resistance;  ///< of the two together, 0..1
+} psim_new_contact;
+
+/// Gets all new contacts of a step, ordered by a, b, part_a, part_b, on the thread that steps, and changes what it wants
+/// to. It may call functions that tell of one body, none that change the world, and must not throw.
+typedef void (*psim_pre_solve)(void* user, psim_new_contact* contacts, size_t count);
 
 /// Which struct psim_init is given.
 enum psim_struct {

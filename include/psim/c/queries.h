@@ -140,6 +140,8 @@ typedef struct psim_events {
   size_t woke_count;                     ///< how many
   const psim_move_event* moves;          ///< all that took part in the step and are there, asleep or not
   size_t move_count;                     ///< how many
+  const double* hit_impulses;            ///< N s, of each event in `hits`: that changed the approach as it did
+  size_t hit_impulse_count;              ///< as many
 } psim_events;
 
 /// Sets the defaults.

@@ -105,6 +105,12 @@ enum psim_field_type {
   PSIM_FIELD_DRAG = 1   ///< dv/dt = -linear v - quadratic |v| v
 };
 
+/// What surrounds bodies.
+enum psim_medium_type {
+  PSIM_MEDIUM_WATER = 0,  ///< lifts what is in it by the weight of what that displaces
+  PSIM_MEDIUM_WIND = 1    ///< pushes what faces it
+};
+
 /// A point or a vector.
 typedef struct psim_vec2 {
   double x;  ///< to the right
@@ -187,14 +193,14 @@ typedef struct psim_shape_part {
   int32_t has_sensor;         ///< flag: else as the body
   int32_t sensor;             ///< flag: touches nothing, tells who overlaps it; its mass counts; read if has_sensor
   psim_filter filter;         ///< who it collides with; read if has_filter
-  int32_t reserved;           ///< 0
+  int32_t pre_solve;          ///< flag: as in psim_body_desc; read if has_pre_solve
   double tangent_speed;       ///< m/s, as in psim_surface; read if has_tangent_speed
   double rolling_resistance;  ///< 0..1, as in psim_surface; read if has_rolling_resistance
   psim_vec2 one_way;          ///< as in psim_body_desc; read if has_one_way
   int32_t has_tangent_speed;  ///< flag: else that of the body
   int32_t has_rolling_resistance;  ///< flag: else that of the body
   int32_t has_one_way;             ///< flag: else that of the body
-  int32_t reserved_2;              ///< 0
+  int32_t has_pre_solve;           ///< flag: else as the body
 } psim_shape_part;
 
 /// A field that acts on all bodies. Fields of the other kind are not read.
@@ -209,6 +215,21 @@ typedef struct psim_field {
   double linear;       ///< 1/s, >= 0: drag
   double quadratic;    ///< 1/m, >= 0: drag
 } psim_field;
+
+/// Wind or water on all bodies. Members of the other kind are not read.
+typedef struct psim_medium {
+  int32_t type;            ///< psim_medium_type
+  int32_t has_region;      ///< flag, of wind: else it blows everywhere; water always has one
+  psim_bounds region;      ///< metres
+  psim_vec2 velocity;      ///< m/s, of the air, or of the water's flow
+  double density;          ///< kg/m^2, > 0
+  double drag;             ///< wind: 0 to 1000, factor of the push along the wind
+  double lift;             ///< wind: 0 to 1000, factor of the push to the side, of what leans
+  double linear_damping;   ///< water: 1/s, of a body that is wholly in it; else the share of its area
+  double angular_damping;  ///< water: 1/s, likewise
+  uint32_t mask;           ///< parts whose category is in it
+  int32_t reserved;        ///< 0
+} psim_medium;
 
 /// A push away from a point: on each part of a body it is `impulse_per_length` times the width that the part shows to the
 /// point, at the part's nearest point.

@@ -78,8 +78,11 @@ PSIM_API psim_result psim_world_prepare(psim_world* world);
 /// Changes gravity, m/s^2, within its range; everybody wakes.
 PSIM_API psim_result psim_world_set_gravity(psim_world* world, psim_vec2 gravity);
 
-/// Changes the wells and drag of the world; everybody wakes. Nothing changes if one is refused.
+/// Changes the wells and drag of the world; wind and water stay. Everybody wakes. Nothing changes if one is refused.
 PSIM_API psim_result psim_world_set_fields(psim_world* world, const psim_field* fields, size_t count);
+
+/// Changes wind and water; wells and drag stay. Everybody wakes. Nothing changes if one is refused.
+PSIM_API psim_result psim_world_set_media(psim_world* world, const psim_medium* media, size_t count);
 
 /// Changes the factor on the skin of neighbour lists, 0.25 to 4: the next step makes its lists anew.
 PSIM_API psim_result psim_world_set_skin(psim_world* world, double factor);
@@ -92,13 +95,18 @@ PSIM_API psim_result psim_world_set_sleeping(psim_world* world, int32_t on);
 /// Lets a governor keep the frame's budget from now on, or no more. budget_ms must be above 0.
 PSIM_API psim_result psim_world_set_governor(psim_world* world, const psim_governor_desc* desc);
 
+/// Lets `function` decide new contacts of bodies that ask (psim_body_desc.pre_solve), before the first step that solves
+/// them; NULL: nobody is asked any more. A decision lasts until the parts are apart. `user` is handed to it, and what it
+/// points to must live as long as the function is set. See psim::World::set_pre_solve.
+PSIM_API psim_result psim_world_set_pre_solve(psim_world* world, psim_pre_solve function, void* user);
+
 /// Replaces the world's own workers by the caller's, or gives them back (NULL). What `user` points to
 /// must live as long as it is set. A parallel_for that leaves jobs out, or throws, breaks the world
 /// (PSIM_ERROR_INTERNAL from the step).
 PSIM_API psim_result psim_world_set_job_system(psim_world* world, const psim_job_system* jobs);
 
-/// The present description: as created, with the gravity, fields, skin and sleeping set since. `fields` points
-/// into the world and stays valid until psim_world_restore or psim_world_set_fields.
+/// The present description: as created, with the gravity, fields, skin and sleeping set since. `fields` and
+/// `media` point into the world and stay valid until psim_world_restore, psim_world_set_fields or psim_world_set_media.
 PSIM_API psim_result psim_world_get_desc(const psim_world* world, psim_world_desc* desc);
 
 /// The psim_isa that the kernels use; -1 for NULL.

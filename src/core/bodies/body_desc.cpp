@@ -155,13 +155,15 @@ BodyDesc disc_of(const DiscBatch& batch, std::size_t i) {
           .filter = batch.filter};
 }
 
-PartProperties properties_of_part(const Material& material, const Filter& filter, bool sensor, Vec2 one_way) {
+PartProperties properties_of_part(const Material& material, const Filter& filter, bool sensor, Vec2 one_way,
+                                  bool pre_solve) {
   const double length = length_of(one_way);
   const auto along = [length](double of) { return length > 0 ? coefficient(of / length) : 0.0f; };
   return {{coefficient(material.restitution), coefficient(material.friction), coefficient(material.tangent_speed),
            coefficient(material.rolling_resistance)},
           filter,
-          sensor ? 1u : 0u,
+          static_cast<std::uint16_t>(sensor),
+          static_cast<std::uint16_t>(pre_solve),
           along(one_way.x),
           along(one_way.y)};
 }
@@ -171,7 +173,8 @@ PartProperties part_properties(const ShapePart& part, const BodyDesc& body) {
   return properties_of_part(
       {of.density, part.restitution.value_or(of.restitution), part.friction.value_or(of.friction),
        part.tangent_speed.value_or(of.tangent_speed), part.rolling_resistance.value_or(of.rolling_resistance)},
-      part.filter.value_or(body.filter), part.sensor.value_or(body.sensor), part.one_way.value_or(body.one_way));
+      part.filter.value_or(body.filter), part.sensor.value_or(body.sensor), part.one_way.value_or(body.one_way),
+      part.pre_solve.value_or(body.pre_solve));
 }
 
 namespace {
@@ -198,9 +201,9 @@ std::vector<PartProperties> properties_of_parts(const BodyDesc& d) {
   if (const auto* compound = std::get_if<CompoundShape>(&d.shape)) {
     for (const ShapePart& part : compound->parts) parts.push_back(part_properties(part, d));
   } else if (const std::vector<Material>* materials = materials_of(d.shape)) {
-    for (const Material& m : *materials) parts.push_back(properties_of_part(m, d.filter, d.sensor, d.one_way));
+    for (const Material& m : *materials) parts.push_back(properties_of_part(m, d.filter, d.sensor, d.one_way, d.pre_solve));
   } else {
-    parts.push_back(properties_of_part(d.material, d.filter, d.sensor, d.one_way));
+    parts.push_back(properties_of_part(d.material, d.filter, d.sensor, d.one_way, d.pre_solve));
   }
   return parts;
 }
@@ -208,7 +211,8 @@ std::vector<PartProperties> properties_of_parts(const BodyDesc& d) {
 // As share_properties(), but the parts are returned.
 std::vector<PartProperties> take_properties(const BodyDesc& d, NewBody& body) {
   const bool plain = !std::holds_alternative<CompoundShape>(d.shape) && materials_of(d.shape) == nullptr &&
-                     d.material.tangent_speed == 0 && d.material.rolling_resistance == 0 && d.one_way == Vec2{};
+                     d.material.tangent_speed == 0 && d.material.rolling_resistance == 0 && d.one_way == Vec2{} &&
+                     !d.pre_solve;
   if (plain) {  // as most bodies are
     body.kind.filter = d.filter;
     body.kind.sensor = d.sensor;

@@ -61,16 +61,19 @@ struct Surface {
 };
 
 /// The PartTable keeps these of each part of a body whose parts differ, or have what only contacts of shapes know: a
-/// surface that runs or resists rolling, or one that is solid from one side.
+/// surface that runs or resists rolling, or one that is solid from one side, or new contacts that the host is shown.
 struct PartProperties {
   Surface surface;
   Filter filter;
-  std::uint32_t sensor = 0;  ///< a flag
+  std::uint16_t sensor = 0;     ///< a flag
+  std::uint16_t pre_solve = 0;  ///< a flag: the host is shown its new contacts
   float one_way_x = 0,
         one_way_y = 0;  ///< of length 1, or 0: solid from all sides; static: in world axes, else the body's
   bool is_one_way() const { return one_way_x != 0 || one_way_y != 0; }
   /// Whether discs alone cannot have contacts with it.
-  bool is_special() const { return surface.tangent_speed != 0 || surface.rolling_resistance != 0 || is_one_way(); }
+  bool is_special() const {
+    return surface.tangent_speed != 0 || surface.rolling_resistance != 0 || is_one_way() || pre_solve != 0;
+  }
   friend bool operator==(const PartProperties&, const PartProperties&) = default;
 };
 
@@ -88,6 +91,7 @@ struct BodyKind {
   bool sensor = false;
   bool one_way = false;     ///< a part of it is solid from one side
   bool restrained = false;  ///< Population::restraints has its damping and locks
+  bool sleepless = false;   ///< it stays awake
   Locks locks;
   /// The number of a hull among the parts.
   std::uint32_t part_of_hull(std::uint32_t hull) const { return std::max(part_count, hull_count) - hull_count + hull; }

@@ -147,13 +147,17 @@ class BodyStore {
   PartProperties part_of(const BodyProperties& body, std::uint32_t part) const {
     const BodyKind& kind = kinds[body.kind];
     if (kind.first_part != 0) return parts[kind.first_part + part];
-    return {{body.restitution, body.friction, 0, 0}, kind.filter, kind.sensor ? 1u : 0u};
+    return {{body.restitution, body.friction, 0, 0}, kind.filter, static_cast<std::uint16_t>(kind.sensor)};
   }
   /// Of length 1, in the body's frame, or of a static body in world axes: what comes against it meets this part. 0: what comes from anywhere.
   Vec2 one_way_of(const BodyKind& body, std::uint32_t part) const {
     if (body.first_part == 0) return {};
     const PartProperties& has = parts[body.first_part + part];
     return {has.one_way_x, has.one_way_y};
+  }
+  /// Whether the host is shown new contacts of a part.
+  bool asks(const BodyKind& body, std::uint32_t part) const {
+    return body.first_part != 0 && parts[body.first_part + part].pre_solve != 0;
   }
   const Filter& filter_of(const BodyKind& body, std::uint32_t part) const {
     return body.first_part == 0 ? body.filter : parts[body.first_part + part].filter;

@@ -15,7 +15,7 @@ PartProperties common_of(const BodyStore& b, const BodyProperties& body) {
   PartProperties first = b.part_of(body, 0);
   for (std::uint32_t k = 1; k < kind.part_count; ++k) {
     if (b.part_of(body, k) == first) continue;
-    return {{body.restitution, body.friction, 0, 0}, kind.filter, kind.sensor ? 1u : 0u};
+    return {{body.restitution, body.friction, 0, 0}, kind.filter, static_cast<std::uint16_t>(kind.sensor)};
   }
   return first;
 }
@@ -46,7 +46,9 @@ BodyTraits Population::traits_of(std::uint32_t id) const {
   t.rolling_resistance = common.surface.rolling_resistance;
   t.one_way = {common.one_way_x, common.one_way_y};
   t.sensor = common.sensor != 0;
+  t.pre_solve = common.pre_solve != 0;
   t.bullet = kind.bullet;
+  t.can_sleep = !kind.sleepless;
   if (of.type() != BodyType::dynamic_body) return t;
   t.mass = of.mass;
   t.inertia = inertia_of(of, kind);
@@ -84,7 +86,8 @@ std::vector<PartProperties> Population::changed_parts(std::uint32_t id, const Bo
   const BodyDesc desc{.material = {1, to.restitution, to.friction, to.tangent_speed, to.rolling_resistance},
                       .sensor = to.sensor,
                       .filter = to.filter,
-                      .one_way = to.one_way};
+                      .one_way = to.one_way,
+                      .pre_solve = to.pre_solve};
   PartProperties wanted = part_properties({}, desc);
   if (of.type() == BodyType::static_body) turn_one_way({&wanted, 1}, state_of(id).angle);
   for (std::uint32_t k = 0; k < count; ++k) {
@@ -101,6 +104,7 @@ std::vector<PartProperties> Population::changed_parts(std::uint32_t id, const Bo
     change(to.one_way.x != from.one_way.x || to.one_way.y != from.one_way.y, p.one_way_x, wanted.one_way_x);
     change(to.one_way.x != from.one_way.x || to.one_way.y != from.one_way.y, p.one_way_y, wanted.one_way_y);
     change(to.sensor != from.sensor, p.sensor, wanted.sensor);
+    change(to.pre_solve != from.pre_solve, p.pre_solve, wanted.pre_solve);
     parts.push_back(p);
   }
   return parts;
@@ -126,6 +130,7 @@ NewBody Population::changed_body(std::uint32_t id, const BodyTraits& from, const
   for (std::uint32_t k = 0; k < old_kind.hull_count; ++k) body.hulls.push_back(bodies.hulls[old_kind.first_hull + k]);
   share_properties(changed_parts(id, from, to), body);
   body.kind.bullet = to.bullet && type != BodyType::static_body;
+  body.kind.sleepless = !to.can_sleep && type == BodyType::dynamic_body;
   if (type == BodyType::dynamic_body) {
     body.kind.restrained = to.linear_damping != 0 || to.angular_damping != 0 || to.locks != Locks{};
     body.kind.locks = to.locks;

@@ -58,6 +58,7 @@ void Population::count(const BodyProperties& p, int sign, Traits& t) const {
   add(t.sensors, senses);
   const bool special = any_part([&](std::uint32_t k) { return bodies.part_of(p, k).is_special(); });
   add(t.special, special);
+  add(t.asking, special && any_part([&](std::uint32_t k) { return bodies.asks(kind, k); }));
   add(t.moving_sensors, senses && moves);
   if (!moves) {
     add(t.fixed, true);
@@ -135,6 +136,7 @@ std::optional<Population::Newcomer> Population::describe(const BodyDesc& d, std:
   NewBody body;
   BodyKind& kind = body.kind;
   kind.bullet = moves && d.bullet;
+  kind.sleepless = d.type == BodyType::dynamic_body && !d.can_sleep;
   kind.restrained = is_restrained(d);
   if (kind.restrained) kind.locks = d.locks;
   if (!(moves ? make_moving(d, body, error) : make_static(d, lattice_, body, made.pieces, error))) return std::nullopt;

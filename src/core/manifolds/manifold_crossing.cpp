@@ -35,7 +35,7 @@ bool Manifolds::Look::go_through(ManifoldPair& pair, const Stand& now) const {
   float gap = m.point[0].gap;
   if (m.count == 2) gap = std::min(gap, m.point[1].gap);
   bool meets = false;
-  if (before == ManifoldPair::kMeets) {
+  if (before == ManifoldPair::kMeets || before == ManifoldPair::kNew) {
     meets = on_side(kStays);
   } else if (gap > 0) {
     meets = on_side(kComes);
@@ -46,9 +46,19 @@ bool Manifolds::Look::go_through(ManifoldPair& pair, const Stand& now) const {
   return !meets;
 }
 
+// What the host decided of a pair that asks and is near. Whether it does not go through each other by what the sides are.
+bool Manifolds::Look::is_let_through(ManifoldPair& pair) const {
+  if (!params.asking || !manifolds.asks(pair)) return false;
+  pair.crossing = ManifoldPair::kUnknown;
+  if (pair.manifold.count == 0) return false;
+  const Decision* const d = manifolds.decisions_.find(name_of(pair, statics));
+  pair.crossing = d == nullptr ? ManifoldPair::kNew : d->through ? ManifoldPair::kPasses : ManifoldPair::kMeets;
+  return pair.crossing == ManifoldPair::kPasses;
+}
+
 // What goes through has no contact, and what has none resists no rolling.
 void Manifolds::Look::see_surfaces(ManifoldPair& pair, const Stand& now) const {
-  if (go_through(pair, now)) pair.manifold.count = 0;
+  if (go_through(pair, now) || is_let_through(pair)) pair.manifold.count = 0;
   if (pair.manifold.count == 0) pair.roll = 0;
 }
 

@@ -113,7 +113,10 @@ void Manifolds::Look::carry_far(ManifoldPair& pair, const Manifold& old, float (
 
 // Whether the material of two fixed sides is one, and whether they stand still against each other.
 bool Manifolds::Look::alike(const ManifoldPair& p, const ManifoldPair& q) const {
-  if (p.of_piece() != q.of_piece() || manifolds.sides_of(p).a != manifolds.sides_of(q).a) return false;
+  const Sides of_p = manifolds.sides_of(p), of_q = manifolds.sides_of(q);
+  const bool decided = of_p.decided != nullptr && of_q.decided != nullptr;
+  const bool same = decided ? *of_p.decided == *of_q.decided : of_p.a == of_q.a && of_p.decided == of_q.decided;
+  if (p.of_piece() != q.of_piece() || !same) return false;
   if (p.of_piece() || p.a == q.a) return true;
   const auto turns = [&](std::uint32_t slot) { return b.rim_speed[slot] != 0; };
   return !turns(p.a) && !turns(q.a) && b.vel[2 * p.a] == b.vel[2 * q.a] && b.vel[2 * p.a + 1] == b.vel[2 * q.a + 1];

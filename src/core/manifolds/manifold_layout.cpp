@@ -174,6 +174,7 @@ void Manifolds::clear() {
   old_pairs_.clear();
   strips_.clear();
   shaped_.clear();
+  decisions_.clear();
   totals_ = {};
 }
 
@@ -336,7 +337,7 @@ struct Manifolds::Layout {
     static constexpr BodyProperties kWall{};
     const BodyProperties& sa = pair.of_wall() ? kWall : b.properties(pair.id_a);
     const BodyProperties& sb = b.properties(pair.id_b);
-    const Sides sides = psim::sides_of(pair, m.s_, sa, sb);
+    const Sides sides = m.sides_of(pair, sa, sb);
     c.wa[l] = fixed ? 0.0f : inv_mass_along(sa, at);
     c.wb[l] = inv_mass_along(sb, at);
     if (c.wa[l] + c.wb[l] == 0) {  // nothing moves them along the normal, with whatever mass
@@ -421,7 +422,7 @@ Manifolds::Closed Manifolds::closed(std::size_t index) const {
 std::size_t Manifolds::bytes() const {
   std::size_t sum = bytes_of(pairs_, old_pairs_, before_, renewed_, index_.first, shaped_, index_.entries, fixed_,
                              crowded_, turned_, turning_, ties) +
-                    parts_.bytes();
+                    parts_.bytes() + decisions_.bytes();
   for (const StripBlocks& s : strips_)
     sum += bytes_of(s.blocks, s.surfaces, s.active, s.laid, s.rewrite, s.landing, s.open, s.watched);
   for (const std::vector<FoundPair>& found : found_) sum += bytes_of(found);

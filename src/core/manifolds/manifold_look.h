@@ -226,6 +226,7 @@ struct Manifolds::Look {
 
   // Sides that are solid from one side (manifold_crossing.cpp).
   bool go_through(ManifoldPair& pair, const Stand& now) const;
+  bool is_let_through(ManifoldPair& pair) const;
   void see_surfaces(ManifoldPair& pair, const Stand& now) const;
 
   // What a body meets of a segment along a normal that was found (manifold_ground.cpp).

@@ -162,19 +162,21 @@ void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::si
     });
   }
   const auto last_of_strip = [&](const Cut& c) { return c.end == begin_[c.strip + 1]; };
-  const auto whole = [&](const Cut& c) { return !any_kinematic_ && c.begin == begin_[c.strip] && last_of_strip(c); };
+  const bool at_end = any_kinematic_ || params.asking;  // strips are finished once all pairs were looked at
+  const auto whole = [&](const Cut& c) { return !at_end && c.begin == begin_[c.strip] && last_of_strip(c); };
   s_.pool.run(end - begin, [&](std::size_t n) {
     Cut& c = cuts_[begin + n];
     c.looks = look(params, {pairs_.data() + c.begin, pairs_.data() + c.end});
     if (whole(c)) finish_strip(params, c.strip);
   });
-  if (any_kinematic_ && end == cuts_.size()) {
-    see_all_ground(params);
+  if (at_end && end == cuts_.size()) {
+    if (params.asking) ask(*params.pre_solve);
+    if (any_kinematic_) see_all_ground(params);
     for (const Cut& c : cuts_) {
       if (last_of_strip(c)) finish_strip(params, c.strip);
     }
   }
-  for (std::size_t k = begin; k < end && !any_kinematic_; ++k) {
+  for (std::size_t k = begin; k < end && !at_end; ++k) {
     if (last_of_strip(cuts_[k]) && !whole(cuts_[k])) finish_strip(params, cuts_[k].strip);
   }
   if (end != cuts_.size()) return;

@@ -32,9 +32,11 @@
 #include "lists/heavy_loads.h"
 #include "lists/pair_table.h"
 #include "manifolds/collide.h"
+#include "manifolds/decisions.h"
 #include "manifolds/pair_name.h"
 #include "manifolds/part_search.h"
 #include "psim/desc.h"
+#include "psim/pre_solve.h"
 #include "views.h"
 
 namespace psim {
@@ -71,9 +73,10 @@ struct ManifoldPair : PairName {
   static constexpr std::uint8_t kAlone = 0xFF;  ///< the pair is solved by itself
   /// The colour of its lane: kColours times the run in StripBlocks::end, plus the colour in the run.
   std::uint8_t colour = kAlone;
-  /// Of a pair with a side that is solid from one side: whether the other body meets it, or goes through it until they are
-  /// apart; not known while they are not near.
-  enum Crossing : std::uint8_t { kUnknown, kMeets, kPasses };
+  /// Of a pair with a side that is solid from one side, or of which the host is asked: whether the other body meets it, or
+  /// goes through it until they are apart; not known while they are not near. kNew: the host was not asked yet, and until
+  /// then it meets it.
+  enum Crossing : std::uint8_t { kUnknown, kMeets, kPasses, kNew };
   Crossing crossing = kUnknown;
   bool placed = false;        ///< the pair is new, and its bodies hardly move
   bool stands = false;        ///< its bodies hang together with fixed ground, over contacts of shapes
@@ -125,7 +128,9 @@ struct ManifoldParams {
   bool changed = false;    ///< the settings below changed since the last step
   bool asleep = false;     ///< some body sleeps
   bool locks = false;      ///< some body may be locked along an axis
-  bool surfaces = false;   ///< some surfaces run, resist rolling or are solid from one side
+  bool surfaces = false;   ///< some surfaces run, resist rolling, are solid from one side or ask the host
+  bool asking = false;     ///< some ask the host
+  const PreSolve* pre_solve = nullptr;  ///< whom they ask; empty if nobody answers
   Stiffness plain[4];      ///< contacts between moving bodies, with fixed ones, and the same under heavy loads
   Stiffness bouncing[2];   ///< contacts with restitution: between moving bodies, with fixed ones
   Stiffness in_stacks[2];  ///< contacts of stacks on a moving body, on fixed ground
@@ -210,8 +215,19 @@ class Manifolds {
   Vec2 one_way_of(const PairName& pair, bool of_b) const;
   Sides sides_of(const PairName& pair) const {
     const BodyProperties& of_b = s_.bodies.properties(pair.id_b);
-    return psim::sides_of(pair, s_, pair.of_wall() ? of_b : s_.bodies.properties(pair.id_a), of_b);
+    return sides_of(pair, pair.of_wall() ? of_b : s_.bodies.properties(pair.id_a), of_b);
   }
+  /// The same, where the caller knows the properties of both.
+  Sides sides_of(const PairName& pair, const BodyProperties& of_a, const BodyProperties& of_b) const {
+    Sides sides = psim::sides_of(pair, s_, of_a, of_b);
+    if (!decisions_.empty()) sides.decided = decisions_.surface_of(name_of(pair, s_.statics));
+    return sides;
+  }
+  /// What the host decided of contacts.
+  const Decisions& decisions() const { return decisions_; }
+  /// A body goes.
+  void forget_decisions(std::uint32_t id) { decisions_.forget(id); }
+
 
   /// Makes room for so many pairs.
   void spare(std::size_t pairs, std::size_t strips);
@@ -339,6 +355,9 @@ class Manifolds {
   struct Look;    // manifold_look.cpp
   struct Layout;  // manifold_layout.cpp
 
+  bool asks(const PairName& pair) const;
+  NewContact shown(const ManifoldPair& pair, const ContactName& name) const;
+  void ask(const PreSolve& pre_solve);
   void check_pair(Archive& a, const ManifoldPair& pair, const ManifoldsAround& around) const;
   void follow_from_pairs();
   void check_strip(Archive& a, std::size_t strip, const ManifoldsAround& around) const;
@@ -406,6 +425,7 @@ class Manifolds {
 
   std::vector<ManifoldPair> pairs_, old_pairs_;
   PartSearch parts_{s_};
+  Decisions decisions_;
   Walls walls_;
   std::vector<std::uint32_t> begin_;  // by strip: the first of its pairs
   std::vector<Cut> cuts_;             // the pieces of all strips, in order

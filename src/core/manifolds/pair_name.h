@@ -40,11 +40,18 @@ struct PairName {
 /// The surfaces of the two sides of a pair.
 struct Sides {
   Surface a, b;
+  const Surface* decided = nullptr;  ///< what the contact has instead, if the host decided so (decisions.h)
   /// m/s: what the surfaces run, B against A, to the left of the normal from A to B.
-  float belt() const { return a.tangent_speed + b.tangent_speed; }
-  float rolling() const { return std::max(a.rolling_resistance, b.rolling_resistance); }
-  float friction(const MixingRules& rules) const { return mixed(rules.friction, a.friction, b.friction); }
-  float restitution(const MixingRules& rules) const { return mixed(rules.restitution, a.restitution, b.restitution); }
+  float belt() const { return decided != nullptr ? decided->tangent_speed : a.tangent_speed + b.tangent_speed; }
+  float rolling() const {
+    return decided != nullptr ? decided->rolling_resistance : std::max(a.rolling_resistance, b.rolling_resistance);
+  }
+  float friction(const MixingRules& rules) const {
+    return decided != nullptr ? decided->friction : mixed(rules.friction, a.friction, b.friction);
+  }
+  float restitution(const MixingRules& rules) const {
+    return decided != nullptr ? decided->restitution : mixed(rules.restitution, a.restitution, b.restitution);
+  }
 };
 /// Of a wall of the world.
 inline Surface surface_of(const Material& m) {
@@ -56,11 +63,11 @@ inline Surface surface_of(const Material& m) {
 inline Sides sides_of(const PairName& pair, const Surroundings& s, const BodyProperties& of_a,
                       const BodyProperties& of_b) {
   const Surface b = s.bodies.surface_of(of_b, pair.part_b);
-  if (pair.of_wall()) return {surface_of(s.wall), b};
-  if (!pair.of_piece()) return {s.bodies.surface_of(of_a, pair.part_a), b};
+  if (pair.of_wall()) return {surface_of(s.wall), b, nullptr};
+  if (!pair.of_piece()) return {s.bodies.surface_of(of_a, pair.part_a), b, nullptr};
   const StaticShape& piece = s.statics[pair.shape];
-  if (piece.special) return {s.bodies.surface_of(of_a, piece.part), b};
-  return {{piece.restitution, piece.friction, 0, 0}, b};
+  if (piece.special) return {s.bodies.surface_of(of_a, piece.part), b, nullptr};
+  return {{piece.restitution, piece.friction, 0, 0}, b, nullptr};
 }
 
 }  // namespace psim

@@ -27,6 +27,30 @@ Vec2 velocity(const BodyStore& b, const Candidate::Side& side) {
   return {v.x - omega * side.arm.y, v.y + omega * side.arm.x};
 }
 Vec2 closing(const BodyStore& b, const Candidate& c) { return velocity(b, c.b) - velocity(b, c.a); }
+// The same at the other point of a manifold.
+Vec2 other_closing(const BodyStore& b, const Candidate& c) {
+  return velocity(b, {c.b.slot, c.b.id, c.arm_b}) - velocity(b, {c.a.slot, c.a.id, c.arm_a});
+}
+
+// The impulses at the points of a hit that change the approach there as it did, added up.
+double impulse_of(const BodyStore& b, const Candidate& c) {
+  // What an impulse of 1 N s at one point gives to the approach at another one, 1/kg.
+  const auto gain = [&](const Candidate::Side& side, Vec2 arm, Vec2 other) {
+    if (side.slot == kNoSlot) return 0.0;
+    const BodyProperties& of = b.properties(b.id[side.slot]);
+    const double r = wide(of.radius), turns = r > 0 ? wide(of.rim_gain) / (r * r) : 0;
+    return wide(of.inv_mass) + turns * cross(arm, c.normal) * cross(other, c.normal);
+  };
+  const Vec2 arm_a[] = {c.a.arm, c.arm_a}, arm_b[] = {c.b.arm, c.arm_b};
+  const auto k = [&](int i, int j) { return gain(c.a, arm_a[i], arm_a[j]) + gain(c.b, arm_b[i], arm_b[j]); };
+  const double lost = c.speed + dot(c.normal, closing(b, c)), k11 = k(0, 0);
+  if (!(k11 > 0)) return 0;
+  const double alone = greater(lost / k11, 0);
+  if (!c.two) return alone;
+  const double other = c.other_speed + dot(c.normal, other_closing(b, c)), k12 = k(0, 1), k22 = k(1, 1);
+  const double det = k11 * k22 - k12 * k12, j1 = (k22 * lost - k12 * other) / det, j2 = (k11 * other - k12 * lost) / det;
+  return det > 1e-6 * k11 * k22 && j1 >= 0 && j2 >= 0 ? j1 + j2 : alone;
+}
 
 // The time at which a point at d with velocity u comes within r of the origin; < 0: never.
 double meeting(Vec2 d, Vec2 u, double r) {
@@ -110,8 +134,14 @@ struct Approach {
         const ManifoldPoint& p = pair.manifold.point[corner];
         const Candidate::Side first{pair.a, pair.id_a, {wide(p.ax), wide(p.ay)}};
         const Candidate::Side second{pair.b, pair.id_b, {wide(p.bx), wide(p.by)}};
-        consider({first, second, nullptr, k, normal}, {{}, 0, wide(pair.gap[corner]), pair.ahead ? 0 : wide(p.gap) / 2},
-                 out);
+        Candidate c{first, second, nullptr, k, normal};
+        if (pair.manifold.count == 2) {
+          const ManifoldPoint& q = pair.manifold.point[1 - corner];
+          c.two = true;
+          c.arm_a = {wide(q.ax), wide(q.ay)}, c.arm_b = {wide(q.bx), wide(q.by)};
+          c.other_speed = -dot(normal, other_closing(b, c));
+        }
+        consider(c, {{}, 0, wide(pair.gap[corner]), pair.ahead ? 0 : wide(p.gap) / 2}, out);
       }
     }
   }
@@ -148,6 +178,7 @@ void HitList::collect(const Observed& world) {
   for (Candidate& c : answered_) {  // a wall comes last: its number is the highest
     if (c.a.id < c.b.id) continue;
     std::swap(c.a, c.b);
+    std::swap(c.arm_a, c.arm_b);
     c.normal = -1 * c.normal;
   }
   const auto who = [](const Candidate& c) {  // a body may hit several walls
@@ -164,7 +195,7 @@ void HitList::collect(const Observed& world) {
                                [&](const Candidate& x, const Candidate& y) { return who(x) == who(y); });
   hits.clear();
   for (auto c = answered_.begin(); c != end; ++c) {
-    hits.push_back({world.handle(c->a.id), world.handle(c->b.id), c->point, c->normal, c->speed});
+    hits.push_back({world.handle(c->a.id), world.handle(c->b.id), c->point, c->normal, c->speed, impulse_of(b, *c)});
   }
   answered_.clear();
 }

@@ -33,6 +33,10 @@ class HitList {
     Vec2 normal{};                            // from a to b
     bool meets = false;                       // the bodies meet within the step if they keep their velocities
     double speed = 0;                         // m/s, of approach
+    // Of a manifold with two points, the other one:
+    bool two = false;
+    Vec2 arm_a{}, arm_b{};   // m, from the centres
+    double other_speed = 0;  // m/s, of approach; may be negative
     Vec2 point{};                             // m
   };
 

@@ -76,8 +76,9 @@ class SleepChoice {
     return bodies_.id[slot] != kNoSlot && bodies_.properties(bodies_.id[slot]).inv_mass > 0;
   }
   bool may_sleep(std::uint32_t slot) const {
-    return (rests_firmly(state_[slot]) || rests_creeping(state_[slot])) && is_dynamic(slot) &&
-           !bodies_.kind(bodies_.id[slot]).one_way;  // fixed geometry does not know how it is turned
+    if (!(rests_firmly(state_[slot]) || rests_creeping(state_[slot])) || !is_dynamic(slot)) return false;
+    const BodyKind& kind = bodies_.kind(bodies_.id[slot]);
+    return !kind.sleepless && !kind.one_way;  // fixed geometry does not know how it is turned
   }
   void disturb(std::uint32_t slot) { state_[slot] |= kDisturbed | kCreepDisturbed; }
 

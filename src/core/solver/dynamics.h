@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <memory>
+#include <vector>
 
 #include "solver/continuous.h"
 #include "solver/forces.h"
+#include "solver/media.h"
 #include "solver/solver.h"
 
 namespace psim {
@@ -22,6 +24,8 @@ struct Dynamics {
   Solver solver;
   std::unique_ptr<Forces> forces;  ///< none where gravity is uniform
   bool forces_stale = true;        ///< the arrays of the forces do not fit the bodies' order
+  Media media;                     ///< of this step
+  std::vector<Push> pushes;        ///< of this step: see ForcesOfStep
   Continuous continuous;
   bool moving = false;       ///< this step has begun to move bodies: it cannot be given up any more
   int substeps = 4;          ///< of this step

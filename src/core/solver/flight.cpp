@@ -162,6 +162,7 @@ void Flight::find_walls() {
     hull.set_vertex(1, foot + along);
     finish_hull(hull);
     Other other;
+    other.part = wall;
     other.has = psim::surface_of(s_.wall);
     other.fixed = true;
     meet_hull(hull, other);
@@ -243,17 +244,34 @@ void Flight::meet_hulls(std::uint32_t id, Other other) {
 // How a part of this body bounces and rubs.
 Surface Flight::surface_of(const Hull& mine) const { return b_.surface_of(properties_, number_of(mine)); }
 
+ContactName Flight::name_with(const Other& other, const Hull& mine) const {
+  return ContactName::of(other.id, other.part, b_.id[slot_], number_of(mine));
+}
+
+// How the two of an impact bounce and rub together.
+Sides Flight::sides_with(const Other& other, const Hull& mine) const {
+  const Decisions& decisions = space_.contacts.manifolds.decisions();
+  return {other.has, surface_of(mine), decisions.empty() ? nullptr : decisions.surface_of(name_with(other, mine))};
+}
+
+// Whether the host lets the two through each other.
+bool Flight::is_let_through(const Other& other, const Hull& mine) const {
+  const Decisions& decisions = space_.contacts.manifolds.decisions();
+  const Decision* const d = decisions.empty() ? nullptr : decisions.find(name_with(other, mine));
+  return d != nullptr && d->through;
+}
+
 // Takes an impact with a hull, if it is the first one so far.
 void Flight::meet_hull(const Hull& hull, const Other& other) {
   const Course mine = leg(), theirs = rest_of(other.course);
   const bool slow =
       !disc_ && other.fixed && length_of(way_.along - other.way.along) <= double{kMostSizes} * b_.radius[slot_];
   for (const Hull& part : hulls_) {
-    if (!collide(part, other.id, other.part)) continue;
+    if (!collide(part, other.id, other.part) || is_let_through(other, part)) continue;
     const Approach pair(hull, theirs, part, mine);
     bool pressed = false;
     Vec2 normal;
-    const bool bounced = slow && mixed(s_.mixing.restitution, surface_of(part).restitution, other.has.restitution) > 0;
+    const bool bounced = slow && sides_with(other, part).restitution(s_.mixing) > 0;
     if (bounced && !passes(pair)) continue;
     const double share = strikes(pair, part, lesser(inner_, other.inner), pressed, normal);
     if (!(share < first_.share)) continue;
@@ -358,10 +376,11 @@ bool Flight::bounce(std::span<const std::uint32_t> near) {
   ImpactSurface s{0, 0, properties_.inv_mass, inertia(properties_)};
   // What presses slowly on a body that is deep already does not bounce.
   const bool slow = first_.pressed && length_of(way_.along - other.way.along) < kFast * inner_;
-  const Surface has = surface_of(*first_.mine);
-  s.restitution = slow ? 0.0 : double{mixed(s_.mixing.restitution, has.restitution, other.has.restitution)};
-  s.friction = double{mixed(s_.mixing.friction, has.friction, other.has.friction)};
-  const double belt = double{has.tangent_speed} + double{other.has.tangent_speed};
+  const Sides sides = sides_with(other, *first_.mine);
+  s.restitution = slow ? 0.0 : double{sides.restitution(s_.mixing)};
+  s.friction = double{sides.friction(s_.mixing)};
+  const double belt = sides.decided != nullptr ? double{sides.decided->tangent_speed}
+                                               : double{sides.b.tangent_speed} + double{sides.a.tangent_speed};
   if (first_.pressed && (first_.normal.x != 0 || first_.normal.y != 0)) {  // it is held at its middle
     n = first_.normal;
     touching = {upright(n), {}};

@@ -28,7 +28,7 @@ struct Airspace {
   Vec2 gravity;                                    ///< m/s^2, where bodies have no accelerations of their own
   double restitution_threshold = 0;                ///< m/s: slower impacts do not bounce
   const Walls* walls = nullptr;                    ///< null if the world has none
-  bool surfaces = false;                           ///< some surfaces run, resist rolling or are solid from one side
+  bool surfaces = false;  ///< some surfaces run, resist rolling, are solid from one side or ask the host
   std::span<const std::uint32_t> kinematics = {};  ///< slots of the bodies that the host moves, discs and shapes
 };
 
@@ -56,7 +56,7 @@ class Flight {
     Course course;               // of the whole step
     Rates way, velocity;         // in the step; in a second
     std::uint32_t id = kNoSlot;  // of the body; a wall has none
-    std::uint32_t part = 0;
+    std::uint32_t part = 0;      // of the body; or the number of the wall
     Surface has;
     Vec2 one_way;                   // in world axes: what comes against it meets this side; 0: what comes from anywhere
     bool fixed = false;             // it is fixed, or moves straight on: the sweeps see to bodies that are not too fast
@@ -79,6 +79,9 @@ class Flight {
   bool collide(const Hull& mine, std::uint32_t id, std::uint32_t part) const;
   std::uint32_t number_of(const Hull& mine) const { return static_cast<std::uint32_t>(&mine - hulls_.data()); }
   Surface surface_of(const Hull& mine) const;
+  ContactName name_with(const Other& other, const Hull& mine) const;
+  Sides sides_with(const Other& other, const Hull& mine) const;
+  bool is_let_through(const Other& other, const Hull& mine) const;
   Course leg() const;
   Course course_of(std::uint32_t slot, bool held) const;
   Course rest_of(const Course& c) const;

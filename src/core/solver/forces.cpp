@@ -35,7 +35,7 @@ double linear_drag(const std::vector<Field>& fields) {
 bool needs_forces(const std::vector<Field>& fields) {
   return std::any_of(fields.begin(), fields.end(), [](const Field& f) {
     const auto* drag = std::get_if<DragField>(&f);
-    return drag == nullptr || drag->quadratic != 0;
+    return std::holds_alternative<WellField>(f) || (drag != nullptr && drag->quadratic != 0);
   });
 }
 

@@ -120,7 +120,7 @@ Solver::Run::Run(Solver& solver, const SolverInput& in, const SolverParams& para
       drift_.h = stream_.h;  // damping is part of the change of velocity then
     }
   }
-  if (!kinematics.empty() || !restraints.empty() || pushes.any()) s_.bodies.find_slots();
+  if (!kinematics.empty() || !restraints.empty()) s_.bodies.find_slots();
   if (!restraints.empty()) find_restrained();
   if (contacts.manifolds.cold() && params.most_sweeps == 0) {
     const std::uint32_t fitting = kColdVisits / std::max(contacts.manifolds.totals().blocks, 1u);

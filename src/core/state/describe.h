@@ -23,7 +23,7 @@ constexpr std::uint64_t last_of(Enum<kernels::JointKind>) { return 7; }
 constexpr std::uint64_t last_of(Enum<kernels::Model>) { return 2; }
 constexpr std::uint64_t last_of(Enum<Place>) { return 5; }
 constexpr std::uint64_t last_of(Enum<ManifoldPair::StackRole>) { return 2; }
-constexpr std::uint64_t last_of(Enum<ManifoldPair::Crossing>) { return 2; }
+constexpr std::uint64_t last_of(Enum<ManifoldPair::Crossing>) { return 3; }
 
 // ---- the members of a struct, in the order in which they are saved
 inline auto fields(Vec2& v) { return std::tie(v.x, v.y); }
@@ -38,6 +38,10 @@ inline auto fields(Locks& l) { return std::tie(l.x, l.y, l.angle); }
 inline auto fields(Filter& f) { return std::tie(f.category, f.mask, f.group); }
 inline auto fields(WellField& w) { return std::tie(w.position, w.strength, w.softening, w.exponent, w.range); }
 inline auto fields(DragField& d) { return std::tie(d.linear, d.quadratic); }
+inline auto fields(BuoyancyField& w) {
+  return std::tie(w.region, w.density, w.linear_damping, w.angular_damping, w.flow, w.mask);
+}
+inline auto fields(WindField& w) { return std::tie(w.velocity, w.density, w.drag, w.lift, w.region, w.mask); }
 inline auto fields(WorldDesc& d) {
   return std::tie(d.bounds, d.boundary, d.gravity, d.linear_damping, d.wall, d.mixing, d.dt, d.substeps, d.integrator,
                   d.restitution_threshold, d.sleeping, d.skin, d.fields);
@@ -52,7 +56,7 @@ inline auto fields(JointDesc& d) {
 
 inline auto fields(BodyKind& k) {
   return std::tie(k.first_hull, k.hull_count, k.first_part, k.part_count, k.centre_x, k.centre_y, k.inner,
-                  k.locked_gain, k.filter, k.bullet, k.sensor, k.one_way, k.restrained, k.locks);
+                  k.locked_gain, k.filter, k.bullet, k.sensor, k.one_way, k.restrained, k.sleepless, k.locks);
 }
 inline auto fields(FixedBody& f) { return std::tie(f.x, f.y, f.angle, f.radius, f.id, f.first_shape); }
 inline auto fields(BodyState& s) { return std::tie(s.id, s.x, s.y, s.angle, s.vx, s.vy, s.omega, s.radius, s.type); }
@@ -66,13 +70,15 @@ inline void one_value(Archive& a, Hull& h) {
   a.require(h.count >= 0 && h.count <= Hull::kMost && h.radius >= 0 && h.reach >= 0 && h.inner >= 0);
 }
 
+inline void one_value(Archive& a, Surface& s) {
+  values(a, s.restitution, s.friction, s.tangent_speed, s.rolling_resistance);
+  a.require(s.restitution >= 0 && s.restitution <= 1 && s.friction >= 0 && s.rolling_resistance >= 0 &&
+            std::isfinite(s.tangent_speed));
+}
+
 inline void one_value(Archive& a, PartProperties& p) {
-  Surface& s = p.surface;
-  values(a, s.restitution, s.friction, s.tangent_speed, s.rolling_resistance, p.filter, p.sensor, p.one_way_x,
-         p.one_way_y);
-  a.require(p.surface.restitution >= 0 && p.surface.restitution <= 1 && p.surface.friction >= 0 && p.sensor <= 1 &&
-            s.rolling_resistance >= 0 && std::isfinite(s.tangent_speed) && std::fabs(p.one_way_x) <= 1.001f &&
-            std::fabs(p.one_way_y) <= 1.001f);
+  values(a, p.surface, p.filter, p.sensor, p.one_way_x, p.one_way_y, p.pre_solve);
+  a.require(p.sensor <= 1 && p.pre_solve <= 1 && std::fabs(p.one_way_x) <= 1.001f && std::fabs(p.one_way_y) <= 1.001f);
 }
 
 inline void one_value(Archive& a, BodyProperties& s) {

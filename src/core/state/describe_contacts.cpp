@@ -114,6 +114,15 @@ void one_value(Archive& a, ManifoldPair& p) {
   a.require(p.colour < 4 * ManifoldPair::kColours || p.colour == ManifoldPair::kAlone);
 }
 
+void Decisions::describe(Archive& a, const BodyStore& bodies) {
+  a.list(list_, [&](Decision& d) {
+    values(a, d.name.a, d.name.b, d.name.part_a, d.name.part_b, d.through, d.changed, d.surface);
+    const bool wall = d.name.b == kNoSlot && d.name.part_b >= kWallLeft;
+    a.require(d.name.a < bodies.id_count && (wall || d.name.b < bodies.id_count));
+  });
+  if (a.loading()) a.require(std::ranges::is_sorted(list_, std::ranges::less_equal{}, &Decision::name));
+}
+
 void PartSearch::describe(Archive& a) {
   const BodyStore& b = s_.bodies;
   values(a, common_way_);
@@ -131,6 +140,7 @@ void PartSearch::describe(Archive& a) {
 void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
   const std::uint32_t slots = s_.bodies.count;
   parts_.describe(a);
+  decisions_.describe(a, s_.bodies);
   values(a, pairs_);
   std::uint32_t own_end = std::min(own_end_, static_cast<std::uint32_t>(pairs_.size()));
   a.value(own_end);

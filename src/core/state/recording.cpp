@@ -19,12 +19,12 @@ constexpr std::tuple kCalls{&World::remove_body,   &World::set_transform,    &Wo
                             &World::apply_torque,  &World::explode};
 
 // What an entry of the log is: one of these, or behind them a call.
-enum Op : std::uint8_t { kStep, kHash, kAddBody, kAddDiscs, kAddJoint, kSetJoint, kSetFields, kSetBody, kCallsBegin };
+enum Op : std::uint8_t { kStep, kHash, kAddBody, kAddDiscs, kAddJoint, kSetJoint, kSetFields, kSetBody, kDecide, kCallsBegin };
 constexpr std::uint8_t kOps = kCallsBegin + std::tuple_size_v<decltype(kCalls)>;
 
 struct RecordHeader : FileHeader {
   static constexpr std::uint64_t kMagic = 0x31304352'6D697370u;  // "psimRC01"
-  static constexpr std::uint64_t kFormat = 11;
+  static constexpr std::uint64_t kFormat = 12;
   std::uint64_t state = 0;  ///< bytes of the state that it began with
   std::uint64_t steps = 0;
 
@@ -48,19 +48,33 @@ static auto fields(PolygonShape& s) { return std::tie(s.vertices, s.radius); }
 static auto fields(CapsuleShape& s) { return std::tie(s.p1, s.p2, s.radius); }
 static auto fields(ShapePart& p) {
   return std::tie(p.shape, p.position, p.angle, p.density, p.restitution, p.friction, p.filter, p.sensor,
-                  p.tangent_speed, p.rolling_resistance, p.one_way);
+                  p.tangent_speed, p.rolling_resistance, p.one_way, p.pre_solve);
 }
 static auto fields(CompoundShape& s) { return std::tie(s.parts); }
 static auto fields(BodyDesc& d) {
   return std::tie(d.type, d.shape, d.position, d.angle, d.velocity, d.angular_velocity, d.material, d.mass,
                   d.gravity_scale, d.fixed_rotation, d.bullet, d.sensor, d.filter, d.linear_damping, d.angular_damping,
-                  d.locks, d.one_way, d.enabled, d.user_data);
+                  d.locks, d.one_way, d.enabled, d.user_data, d.pre_solve, d.can_sleep);
 }
 static auto fields(Explosion& e) { return std::tie(e.position, e.radius, e.falloff, e.impulse_per_length, e.mask); }
 static auto fields(BodyTraits& t) {
   return std::tie(t.filter, t.restitution, t.friction, t.tangent_speed, t.rolling_resistance, t.one_way, t.sensor,
-                  t.bullet, t.mass, t.inertia, t.gravity_scale, t.linear_damping, t.angular_damping, t.locks);
+                  t.bullet, t.mass, t.inertia, t.gravity_scale, t.linear_damping, t.angular_damping, t.locks, t.pre_solve, t.can_sleep);
 }
+
+namespace recorded {
+
+// What the host said of one new contact, and of all that it was shown at once.
+struct Answer {
+  bool enabled = true;
+  std::array<double, 4> surface{};  // friction, restitution, tangent speed, rolling resistance
+};
+using Answers = std::vector<Answer>;
+inline auto fields(Answer& a) { return std::tie(a.enabled, a.surface); }
+constexpr std::size_t kAnswerBytes = 33, kAnswersBytes = 32;  // no less than they take in a log
+
+}  // namespace recorded
+using recorded::Answer, recorded::Answers;
 
 namespace {
 
@@ -88,6 +102,20 @@ struct Recorder::Log {
   Saver saver;
   bool ended = false;
   std::uint64_t every = 60, steps = 0;
+  PreSolve host;                 // answers for the world
+  std::vector<Answers> answers;  // in this step
+
+  // Makes room for the answers, too, before they count.
+  void note(std::span<const NewContact> contacts) {
+    if (ended) return;
+    Answers& some = answers.emplace_back();
+    for (const NewContact& c : contacts) {
+      some.push_back({c.enabled, {c.friction, c.restitution, c.tangent_speed, c.rolling_resistance}});
+    }
+    std::size_t bytes = kStepAndHash + kEnd + recorded::kAnswersBytes;
+    for (const Answers& each : answers) bytes += recorded::kAnswersBytes + each.size() * recorded::kAnswerBytes;
+    saver.room_for(bytes);
+  }
 
   template <class... T>
   void add(std::uint8_t op, T... args) {
@@ -144,6 +172,7 @@ struct Recorder::Log {
     const std::size_t before = saver.bytes().size();
     StepReport report;
     try {
+      answers.clear();
       saver.room_for(kStepAndHash + kEnd);
       report = step();
     } catch (const std::bad_alloc&) {
@@ -153,6 +182,7 @@ struct Recorder::Log {
     if (world.frame() == frame) {  // refused
       if (report.no_room_for != nullptr) end(world, before);
     } else {
+      if (!answers.empty()) add(kDecide, answers);
       add(kStep, dt, report.detail);
       if (++steps % every == 0) add(kHash, world.state_hash());
     }
@@ -164,8 +194,18 @@ Recorder::Recorder(World& world, std::uint64_t every) : world_(world), log_(std:
   log_->every = std::max<std::uint64_t>(every, 1);
   log_->saver.room_for(Log::kEnd);
   world.save(log_->state);
+  set_pre_solve(world.pre_solve());
 }
-Recorder::~Recorder() = default;
+Recorder::~Recorder() { world_.set_pre_solve(std::move(log_->host)); }
+
+void Recorder::set_pre_solve(PreSolve pre_solve) {
+  log_->host = std::move(pre_solve);
+  if (!log_->host) return world_.set_pre_solve({});
+  world_.set_pre_solve([log = log_.get()](std::span<NewContact> contacts) {
+    log->host(contacts);
+    log->note(contacts);
+  });
+}
 
 StepReport Recorder::step() { return step(world_.desc().dt); }
 
@@ -263,6 +303,7 @@ struct Replay::State {
   std::optional<Loader> log;
   std::uint64_t steps = 0, in_all = 0, hashes = 0, differs = 0;
   bool compared = false;  // the present state
+  std::vector<Answers> answers;  // in the next step
 
   template <class T>
   T get() {
@@ -284,6 +325,15 @@ struct Replay::State {
         },
         kCalls);
   }
+  static void answer(const Answers& with, std::span<NewContact> contacts) {
+    for (std::size_t k = 0; k < std::min(with.size(), contacts.size()); ++k) {
+      const Answer& a = with[k];
+      NewContact& c = contacts[k];
+      c.enabled = a.enabled;
+      c.friction = a.surface[0], c.restitution = a.surface[1];
+      c.tangent_speed = a.surface[2], c.rolling_resistance = a.surface[3];
+    }
+  }
   // The next entry of the log.
   void perform() {
     World& w = *world;
@@ -297,9 +347,16 @@ struct Replay::State {
         const auto detail = get<StepDetail>();
         if (!log->ok()) return;
         w.replay(detail, dt);
+        w.set_pre_solve({});
         ++steps;
         break;
       }
+      case kDecide:
+        answers = get<std::vector<Answers>>();
+        w.set_pre_solve([this, next = std::size_t{0}](std::span<NewContact> contacts) mutable {
+          if (next < answers.size()) answer(answers[next++], contacts);
+        });
+        break;
       case kHash: {
         const auto hash = get<std::uint64_t>();
         compared = log->ok();

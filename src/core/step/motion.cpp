@@ -133,10 +133,7 @@ namespace {
 // Substeps. If nobody is near anything there are none: then the closed form of integrate() is all.
 void solve(StepContext& c, const ForcesOfStep& pushes, double dt, StepReport& report) {
   prepare_forces(c, report);
-  if (pushes.any()) {
-    c.bodies.find_slots();
-    pushes.add(c.bodies);
-  }
+  if (pushes.any()) pushes.add(c.bodies);
   const StageTimer timer(report, c.tracer, Stage::solver);
   note_skips(c);
   if (c.contacts.discs.pass_blocks() == 0 && !c.sorts_out() && !c.plan.fields && c.population.kinematics.empty() &&
@@ -233,7 +230,9 @@ Moved integrate(StepContext& c, double dt, StepReport& report) {
 
 Moved move_bodies(StepContext& c, double dt, StepReport& report) {
   if (c.plan.continuous) c.dynamics.continuous.make_room(continuous_input(c, c.manifold_params(dt), dt));
-  const ForcesOfStep pushes(c.population, c.lattice, dt / report.detail.frames, dt);
+  Dynamics& dynamics = c.dynamics;
+  if (c.population.traits.media) dynamics.media.find(c.desc, c.lattice, c.bodies, c.pool, dt);
+  const ForcesOfStep pushes(c.population, c.lattice, dt / report.detail.frames, dt, dynamics.media, dynamics.pushes);
   solve(c, pushes, dt, report);
   c.dynamics.moving = true;
   stop_fast_bodies(c, dt, report);

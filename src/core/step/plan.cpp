@@ -3,6 +3,7 @@
 #include "bodies/body_properties.h"
 #include "lists/heavy_loads.h"
 #include "solver/forces.h"
+#include "solver/media.h"
 
 namespace psim {
 
@@ -14,6 +15,7 @@ void take_traits(const WorldDesc& d, Traits& traits) {
   traits.one_rubs = d.mixing.friction == Mixing::max || d.mixing.friction == Mixing::mean;
   traits.gravity = d.gravity.x != 0 || d.gravity.y != 0;
   traits.fields = needs_forces(d.fields);
+  traits.media = any_medium(d.fields);
   traits.integrator = d.integrator;
   traits.sleeping = d.sleeping;
   traits.damping = d.linear_damping > 0 || linear_drag(d.fields) > 0;
@@ -22,16 +24,17 @@ void take_traits(const WorldDesc& d, Traits& traits) {
 Plan make_plan(const Traits& t) {
   Plan p;
   p.fields = t.fields;
-  p.scales = t.kinematic != 0 || t.odd_gravity != 0 || t.pushed;
+  p.scales = t.kinematic != 0 || t.odd_gravity != 0 || t.pushed || t.media;
   p.forces = t.fields || p.scales;
   if (t.fields) p.integrator = t.integrator;
-  p.restitution = t.moving_bounce != 0 || (t.moving != 0 && (t.fixed_bounce != 0 || (t.walls && t.wall_bounce)));
+  const bool asking = t.moving != 0 && t.asking != 0;  // the host may want either of a contact
+  p.restitution = asking || t.moving_bounce != 0 || (t.moving != 0 && (t.fixed_bounce != 0 || (t.walls && t.wall_bounce)));
   const bool ground_rough = t.fixed_rough != 0 || (t.walls && t.wall_rough);
   const auto rub = [&](std::uint64_t rough, std::uint64_t all) {
     if (t.one_rubs) return all != 0 && (rough != 0 || t.moving_rough != 0 || ground_rough);
     return rough >= 2 || (rough == 1 && ground_rough);
   };
-  p.friction = rub(t.moving_rough, t.moving);
+  p.friction = asking || rub(t.moving_rough, t.moving);
   p.masses = t.same_mass != t.discs || t.kinematic_discs != 0;
   p.uneven = p.masses || t.cornered != 0;
   p.loads = p.uneven && t.mass_ratio >= static_cast<double>(HeavyLoads::kLeastRatio) && (t.gravity || t.fields);
@@ -63,7 +66,7 @@ std::vector<PlanEntry> explain(const Plan& p, const Traits& t) {
   const bool moves = t.moving != 0;
   const std::string higher = std::string(integrator_name(p.integrator)) + " moves bodies in the fields, " +
                              (p.integrator == Integrator::euler ? "one evaluation" : "four evaluations") + " a substep";
-  add("forces", p.forces, "wells, quadratic drag, gravity scales, applied forces or kinematic bodies",
+  add("forces", p.forces, "wells, quadratic drag, wind, water, gravity scales, applied forces or kinematic bodies",
       "gravity is uniform: part of the kick");
   add("forces.integrator", p.integrator != Integrator::verlet, higher.c_str(),
       t.fields ? "verlet: the kick and the drift are leapfrog already"
@@ -78,16 +81,16 @@ std::vector<PlanEntry> explain(const Plan& p, const Traits& t) {
   add("narrow_phase", moves, "bodies move", "no body moves");
   add("colouring", moves, "bodies move", "no body moves");
   add("solver", moves, "bodies may touch", "no body moves");
-  add("solver.restitution", p.restitution, "a material bounces: time-of-impact sweeps",
+  add("solver.restitution", p.restitution, "a material bounces, or the host is asked: time-of-impact sweeps",
       "no body and no wall has restitution");
   add("solver.masses", p.masses, "masses of discs differ", "all moving discs have one mass");
   add("solver.heavy_loads", p.loads, "some bodies may carry others eight times as heavy",
       "no body carries one eight times as heavy");
-  add("solver.friction", p.friction, "two surfaces that can meet have friction",
+  add("solver.friction", p.friction, "two surfaces that can meet have friction, or the host is asked",
       "no two surfaces that can meet have friction");
   add("manifolds", p.manifolds, "bodies other than discs", "all moving bodies are discs");
-  add("surfaces", p.surfaces, "some surfaces run, resist rolling or are solid from one side",
-      "no surface runs, resists rolling or is solid from one side");
+  add("surfaces", p.surfaces, "some surfaces run, resist rolling, are solid from one side or ask the host",
+      "no surface runs, resists rolling, is solid from one side or asks the host");
   add("joints", p.joints, "bodies are joined", "no body is joined to another");
   add("filters", p.filters, "some bodies do not collide with others, or are sensors",
       "everybody collides with everybody");

@@ -32,7 +32,7 @@ struct Plan {
   bool turns = false;       ///< points turn with their bodies within a frame: there are shapes or joints
   bool continuous = false;  ///< fast bodies are stopped at what they would jump over
   bool bullets = false;     ///< also against other moving bodies
-  bool surfaces = false;    ///< some surfaces run, resist rolling or are solid from one side
+  bool surfaces = false;    ///< some surfaces run, resist rolling, are solid from one side or ask the host
   bool restraints = false;  ///< damping and locks of single bodies
   bool sleep = false;
   bool events = false;

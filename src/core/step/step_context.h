@@ -83,6 +83,7 @@ struct StepContext {
   WorkerPool pool{options.threads, &tracer};
   Ledger ledger;
   Governor governor;
+  PreSolve pre_solve;  ///< the host's, or empty
   // Who is there.
   Population population{desc, lattice, memory};
   BodyStore& bodies = population.bodies;

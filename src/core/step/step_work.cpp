@@ -22,6 +22,8 @@ ManifoldParams StepContext::manifold_params(double dt) const {
   p.walls = walls;
   p.locks = plan.restraints;
   p.surfaces = plan.surfaces;
+  p.asking = plan.surfaces && population.traits.asking != 0;
+  p.pre_solve = &pre_solve;
   return p;
 }
 

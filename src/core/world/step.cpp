@@ -349,6 +349,7 @@ void World::prepare() {
   if (w.ledger.frames != 0 || !w.unprepared.empty() || w.bodies.awake() == 0 || !w.quarantine.doubtful.empty()) {
     return;
   }
+  if (w.pre_solve && w.population.traits.asking != 0) return;  // the host is asked in steps alone
   const Ledger counted = w.ledger;
   try {
     prepare_first_step(w, counted);

@@ -15,19 +15,40 @@
 namespace psim {
 namespace {
 
+void check_region(const char* what, const Bounds& b, RangeCheck& check) {
+  check(what, Vec2{b.xmin, b.ymin}, limits::kCoordinate)(what, Vec2{b.xmax, b.ymax}, limits::kCoordinate);
+  check(what, Vec2{b.xmax - b.xmin, b.ymax - b.ymin}, limits::kExtent);
+}
+
+struct FieldCheck {
+  RangeCheck& check;
+  void operator()(const WellField& well) const {
+    check("a well's position", well.position, limits::kCoordinate);
+    check("a well's strength", well.strength, limits::kWellStrength);
+    check("a well's softening", well.softening, limits::kWellLength);
+    check("a well's exponent", well.exponent, limits::kWellExponent);
+    check("a well's range", well.range, limits::kWellLength);
+  }
+  void operator()(const DragField& drag) const {
+    check("linear drag", drag.linear, limits::kDamping)("quadratic drag", drag.quadratic, limits::kDamping);
+  }
+  void operator()(const BuoyancyField& water) const {
+    check_region("a corner, width or height of the water's region", water.region, check);
+    check("the water's density", water.density, limits::kDensity);
+    check("the water's linear damping", water.linear_damping, limits::kDamping);
+    check("the water's angular damping", water.angular_damping, limits::kDamping);
+    check("the water's flow", water.flow, limits::kVelocity);
+  }
+  void operator()(const WindField& wind) const {
+    check("the wind's velocity", wind.velocity, limits::kVelocity)("the air's density", wind.density, limits::kDensity);
+    check("the wind's drag", wind.drag, limits::kWindFactor)("the wind's lift", wind.lift, limits::kWindFactor);
+    if (wind.region) check_region("a corner, width or height of the wind's region", *wind.region, check);
+  }
+};
+
 std::string check_field(const Field& field) {
   RangeCheck check;
-  if (const auto* well = std::get_if<WellField>(&field)) {
-    check("a well's position", well->position, limits::kCoordinate);
-    check("a well's strength", well->strength, limits::kWellStrength);
-    check("a well's softening", well->softening, limits::kWellLength);
-    check("a well's exponent", well->exponent, limits::kWellExponent);
-    check("a well's range", well->range, limits::kWellLength);
-  } else {
-    const auto& drag = std::get<DragField>(field);
-    check("linear drag", drag.linear, limits::kDamping);
-    check("quadratic drag", drag.quadratic, limits::kDamping);
-  }
+  std::visit(FieldCheck{check}, field);
   return check.error;
 }
 
@@ -186,6 +207,13 @@ void World::enable_snapshots(bool on) try {
 }
 
 const Snapshot* World::latest_snapshot() { return impl_->observers.publisher.latest(); }
+
+void World::set_pre_solve(PreSolve pre_solve) try {
+  impl_->settled().pre_solve = std::move(pre_solve);
+} catch (const std::bad_alloc&) {
+  impl_->recover();
+}
+const PreSolve& World::pre_solve() const { return impl_->pre_solve; }
 
 void World::set_job_system(JobSystem jobs) { impl_->pool.set_job_system(std::move(jobs)); }
 

@@ -81,6 +81,7 @@ void body_goes(Owners& w, std::uint32_t id, bool same, bool tied) {
   if (!tied) remove_joints_of(w, id);
   w.observers.queries.forget(info.place == Place::fixed ? QueryIndex::kFixed : QueryIndex::kMoving);
   if (!is_out(info.place)) w.plan_stale = true;
+  w.contacts.manifolds.forget_decisions(id);
   spoil_work(w);
 }
 

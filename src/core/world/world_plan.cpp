@@ -75,6 +75,8 @@ void apply_plan(Owners& w) {
     w.dynamics.forces.reset();
     bodies.acc.release();
   }
+  if (!w.population.traits.media) w.dynamics.media.release();
+  if (!plan.scales) give_back(w.dynamics.pushes);
   bodies.keep_remainders(plan.fields, plan.fields && plan.integrator != Integrator::verlet);
   if (!plan.fields) give_back(bodies.drift_correction, bodies.spare);
   if (!plan.turns) bodies.keep_turns(false);

@@ -119,7 +119,7 @@ DiscSums sums_of(const Scene& scene) {
 bool has_fields(const WorldDesc& world) {
   return std::ranges::any_of(world.fields, [](const Field& field) {
     const auto* drag = std::get_if<DragField>(&field);
-    return drag == nullptr || drag->quadratic > 0;
+    return std::holds_alternative<WellField>(field) || (drag != nullptr && drag->quadratic > 0);
   });
 }
 

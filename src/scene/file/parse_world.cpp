@@ -18,11 +18,43 @@ constexpr std::array<std::string_view, 3> kBoundaries = {"walls", "periodic", "o
 constexpr std::array<std::string_view, 6> kStepKeys = {
     "dt", "substeps", "sleeping", "integrator", "restitution_threshold", "skin"};
 constexpr std::array<std::string_view, 4> kIntegrators = {"verlet", "euler", "rk4", "symplectic4"};
-constexpr std::array<std::string_view, 2> kFieldTypes = {"well", "drag"};
+constexpr std::array<std::string_view, 4> kFieldTypes = {"well", "drag", "buoyancy", "wind"};
 constexpr std::array<std::string_view, 6> kWellKeys = {"type",      "position", "strength",
                                                        "softening", "exponent", "range"};
 constexpr std::array<std::string_view, 2> kMixingKeys = {"restitution", "friction"};
 constexpr std::array<std::string_view, 3> kDragKeys = {"type", "linear", "quadratic"};
+constexpr std::array<std::string_view, 7> kBuoyancyKeys = {"type",  "region", "density", "linear_damping", "angular_damping",
+                                                           "flow", "mask"};
+constexpr std::array<std::string_view, 7> kWindKeys = {"type", "velocity", "density", "drag", "lift", "region", "mask"};
+
+std::uint32_t mask_or_all(const Node& field) {
+  const auto mask = field.find("mask");
+  return mask ? static_cast<std::uint32_t>(mask->integer(0, kAllCategories)) : 0xFFFFFFFFu;
+}
+
+BuoyancyField read_buoyancy(const Node& field) {
+  field.expect_object(kBuoyancyKeys);
+  BuoyancyField water;
+  water.region = read_bounds(field.require("region"));
+  water.density = field.require("density").number(limits::kDensity);
+  water.linear_damping = field.number_or("linear_damping", water.linear_damping, limits::kDamping);
+  water.angular_damping = field.number_or("angular_damping", water.angular_damping, limits::kDamping);
+  if (const auto flow = field.find("flow")) water.flow = flow->vec2(limits::kVelocity);
+  water.mask = mask_or_all(field);
+  return water;
+}
+
+WindField read_wind(const Node& field) {
+  field.expect_object(kWindKeys);
+  WindField wind;
+  wind.velocity = field.require("velocity").vec2(limits::kVelocity);
+  wind.density = field.require("density").number(limits::kDensity);
+  wind.drag = field.number_or("drag", wind.drag, limits::kWindFactor);
+  wind.lift = field.number_or("lift", wind.lift, limits::kWindFactor);
+  if (const auto region = field.find("region")) wind.region = read_bounds(*region);
+  wind.mask = mask_or_all(field);
+  return wind;
+}
 
 Field read_field(const Node& field) {
   field.expect_object();
@@ -38,6 +70,8 @@ Field read_field(const Node& field) {
     well.range = field.number_or("range", well.range, limits::kWellLength);
     return well;
   }
+  if (type.one_of(kFieldTypes) == 2) return read_buoyancy(field);
+  if (type.one_of(kFieldTypes) == 3) return read_wind(field);
   field.expect_object(kDragKeys);
   DragField drag;
   drag.linear = field.number_or("linear", drag.linear, limits::kDamping);

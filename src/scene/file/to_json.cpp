@@ -351,6 +351,25 @@ struct FieldText {
         .add("quadratic", drag.quadratic)
         .one_line();
   }
+  std::string operator()(const BuoyancyField& water) const {
+    const BuoyancyField absent;
+    Object out;
+    out.add("type", std::string_view("buoyancy")).add("region", water.region).add("density", water.density);
+    out.add_unless("linear_damping", water.linear_damping, absent.linear_damping);
+    out.add_unless("angular_damping", water.angular_damping, absent.angular_damping);
+    out.add_unless("flow", water.flow, absent.flow);
+    if (water.mask != absent.mask) out.raw("mask", std::to_string(water.mask));
+    return out.one_line();
+  }
+  std::string operator()(const WindField& wind) const {
+    const WindField absent;
+    Object out;
+    out.add("type", std::string_view("wind")).add("velocity", wind.velocity).add("density", wind.density);
+    out.add_unless("drag", wind.drag, absent.drag).add_unless("lift", wind.lift, absent.lift);
+    if (wind.region) out.add("region", *wind.region);
+    if (wind.mask != absent.mask) out.raw("mask", std::to_string(wind.mask));
+    return out.one_line();
+  }
 };
 
 bool is_unbounded(const WorldDesc& world) {
