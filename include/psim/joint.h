@@ -29,9 +29,9 @@ enum class JointType : std::uint8_t {
   rope,      ///< the anchors come no further apart than `length`
   revolute,  ///< a pin: the anchors coincide; spring, limits and motor on the angle
   prismatic,  ///< a slide: b moves along `axis` of a and does not turn; spring, limits and motor along it
-  weld,       ///< the anchors coincide and the angle is kept
+  weld,       ///< the anchors coincide and the angle is kept; either may be soft
   wheel,      ///< b moves along `axis` of a, with spring and limits, and turns freely or by the motor
-  motor,      ///< drives b against a: at `linear_velocity` and `angular_velocity`, with limited force and torque
+  motor,      ///< drives b against a: at `linear_velocity` and `angular_velocity`, or to a place and an angle
   target,     ///< a spring from the point `target` of the world, which the host moves, to the anchor of b
   gear,       ///< the way of one joint + `ratio` x that of another one stays what it is
   pulley,     ///< a rope over two points of the world: the way to a + `ratio` x the way to b is `length` at most
@@ -74,6 +74,12 @@ struct JointDesc {
   double break_force = 0;       ///< N: the joint is gone after a step with more in the mean; 0: never
   double break_torque = 0;      ///< N m: the same
   std::uint64_t user_data = 0;  ///< 64 bits of the host
+  double linear_stiffness = 0;  ///< weld: N/m, of a spring that holds the anchors together; 0 and no damping: rigid
+  double linear_damping = 0;    ///< weld: N s/m, of that spring
+  /// motor: 0 to 1, of the way to `offset` and `reference`: the share that each substep makes up, beside the velocities,
+  /// as far as the limits let it. 0: there is no such place.
+  double correction = 0;
+  Vec2 offset = {};  ///< motor: metres, in the frame of a: from its anchor to that of b
 };
 
 /// What a joint does.

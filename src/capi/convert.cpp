@@ -371,6 +371,10 @@ std::string convert(const psim_joint_desc& desc, JointDesc& out) {
   out.angular_velocity = desc.angular_velocity;
   out.force_limit = desc.force_limit;
   out.torque_limit = desc.torque_limit;
+  out.linear_stiffness = desc.linear_stiffness;
+  out.linear_damping = desc.linear_damping;
+  out.correction = desc.correction;
+  out.offset = to_cpp(desc.offset);
   out.ground_a = to_cpp(desc.ground_a);
   out.ground_b = to_cpp(desc.ground_b);
   out.ratio = desc.ratio;
@@ -413,6 +417,10 @@ psim_joint_desc to_c(const JointDesc& d) {
   out.angular_velocity = d.angular_velocity;
   out.force_limit = d.force_limit;
   out.torque_limit = d.torque_limit;
+  out.linear_stiffness = d.linear_stiffness;
+  out.linear_damping = d.linear_damping;
+  out.correction = d.correction;
+  out.offset = to_c(d.offset);
   out.ground_a = to_c(d.ground_a);
   out.ground_b = to_c(d.ground_b);
   out.ratio = d.ratio;

@@ -28,7 +28,7 @@ JointKind JointStore::kind_of(const JointDesc& d) {
     case JointType::prismatic:
       return sprung ? JointKind::linkage : JointKind::slide;
     case JointType::weld:
-      return JointKind::weld;
+      return d.linear_stiffness > 0 || d.linear_damping > 0 ? JointKind::linkage : JointKind::weld;
     case JointType::filter:
       return JointKind::none;
     default:

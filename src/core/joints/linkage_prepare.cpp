@@ -114,6 +114,18 @@ void JointStore::set_drives(Linkage& l, const JointDesc& d, std::uint32_t crowd)
     set_motor(first, d.linear_velocity.x, d.force_limit, h_);
     set_motor(l.drive[1], d.linear_velocity.y, d.force_limit, h_);
     set_motor(l.drive[2], d.angular_velocity, d.torque_limit, h_);
+    for (std::size_t k = 0; k < 3; ++k) l.pace[k] = l.drive[k].speed;
+    l.correction = d.correction;
+    l.offset = d.offset;
+    return;
+  }
+  if (d.type == JointType::weld) {
+    first.spring = spring_of(d.linear_stiffness, d.linear_damping, l.row[first.row].mass, crowd);
+    first.most = kNone;
+    LinkageDrive& angle = l.drive[2];
+    const bool rigid = !(d.stiffness > 0 || d.damping > 0);
+    if (rigid) angle.lower = angle.upper = 0;
+    if (!rigid) angle.spring = spring_of(d.stiffness, d.damping, l.row[angle.row].mass, crowd);
     return;
   }
   first.spring = spring_of(d.stiffness, d.damping, l.row[first.row].mass, crowd);

@@ -91,7 +91,7 @@ void Linkage::set_type(JointType of) {
     rows = rigid + drives;
     for (std::uint32_t d = 0; d < drives; ++d) drive[d].row = rigid + d;
   };
-  paired = of == JointType::motor || of == JointType::target;
+  paired = of == JointType::motor || of == JointType::target || of == JointType::weld;
   switch (of) {
     case JointType::revolute:
     case JointType::prismatic:
@@ -99,6 +99,7 @@ void Linkage::set_type(JointType of) {
     case JointType::wheel:
       return shape(1, 2);
     case JointType::motor:
+    case JointType::weld:
       return shape(0, 3);
     case JointType::target:
       return shape(0, 2);
@@ -122,6 +123,7 @@ void find_rows(Linkage& l, const JointedMotion* motion) {
   auto& row = l.row;
   switch (l.type) {
     case JointType::revolute:
+    case JointType::weld:
     case JointType::motor:
     case JointType::target:
       add_along(row[0], at, 1, {1, 0}, at.arm[0], at.apart.x);

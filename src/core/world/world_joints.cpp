@@ -104,6 +104,9 @@ std::string check_numbers(const JointDesc& d) {
   check("angular velocity", d.angular_velocity, limits::kMotorSpeed);
   check("force limit", d.force_limit, limits::kMotorLimit)("torque limit", d.torque_limit, limits::kMotorLimit);
   check("ground a", d.ground_a, limits::kCoordinate)("ground b", d.ground_b, limits::kCoordinate);
+  check("linear stiffness", d.linear_stiffness, limits::kStiffness);
+  check("linear damping", d.linear_damping, limits::kJointDamping);
+  check("correction", d.correction, limits::kCorrection)("offset", d.offset, limits::kCoordinate);
   check("ratio", d.ratio, d.type == JointType::pulley ? limits::kPulleyRatio : limits::kRatio);
   check("frequency", d.frequency, limits::kFrequency)("damping ratio", d.damping_ratio, limits::kDampingRatio);
   check("break force", d.break_force, limits::kMotorLimit)("break torque", d.break_torque, limits::kMotorLimit);

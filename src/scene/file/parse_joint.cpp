@@ -37,7 +37,7 @@ constexpr unsigned kLengths = bits(distance, spring, rope, pulley);
 constexpr unsigned kSoft = bits(distance, spring, weld, revolute, prismatic, wheel, target);
 constexpr unsigned kMotors = bits(distance, revolute, prismatic, wheel);
 constexpr unsigned kRests = bits(revolute, prismatic);
-constexpr unsigned kAngled = bits(revolute, prismatic, weld);
+constexpr unsigned kAngled = bits(revolute, prismatic, weld, motor);
 constexpr unsigned kBreaks = kAnyType & ~bits(filter);
 
 // A key and the types of joint that have it.
@@ -67,6 +67,10 @@ constexpr std::array kJointKeys = {Key{"type", kAnyType},
                                    Key{"angular_velocity", bits(motor)},
                                    Key{"force_limit", bits(motor, target)},
                                    Key{"torque_limit", bits(motor)},
+                                   Key{"linear_stiffness", bits(weld)},
+                                   Key{"linear_damping", bits(weld)},
+                                   Key{"correction", bits(motor)},
+                                   Key{"offset", bits(motor)},
                                    Key{"ground_a", bits(pulley)},
                                    Key{"ground_b", bits(pulley)},
                                    Key{"ratio", bits(gear, pulley)},
@@ -188,6 +192,10 @@ void read_drive(const Node& node, JointDesc& joint) {
   joint.angular_velocity = node.number_or("angular_velocity", joint.angular_velocity, limits::kMotorSpeed);
   joint.force_limit = node.number_or("force_limit", joint.force_limit, limits::kMotorLimit);
   joint.torque_limit = node.number_or("torque_limit", joint.torque_limit, limits::kMotorLimit);
+  joint.correction = node.number_or("correction", joint.correction, limits::kCorrection);
+  joint.offset = node.vec2_or("offset", joint.offset, limits::kCoordinate);
+  joint.linear_stiffness = node.number_or("linear_stiffness", joint.linear_stiffness, limits::kStiffness);
+  joint.linear_damping = node.number_or("linear_damping", joint.linear_damping, limits::kJointDamping);
 }
 
 // Past which load it breaks; above 0 where it is given.

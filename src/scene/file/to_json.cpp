@@ -295,6 +295,8 @@ std::string joint_text(const SceneJoint& scene_joint) {
   out.add_unless("linear_velocity", joint.linear_velocity, {})
       .add_unless("angular_velocity", joint.angular_velocity, 0);
   out.add_unless("force_limit", joint.force_limit, 0).add_unless("torque_limit", joint.torque_limit, 0);
+  out.add_unless("linear_stiffness", joint.linear_stiffness, 0).add_unless("linear_damping", joint.linear_damping, 0);
+  out.add_unless("correction", joint.correction, 0).add_unless("offset", joint.offset, {});
   if (type == JointType::pulley) out.add("ground_a", joint.ground_a).add("ground_b", joint.ground_b);
   out.add_unless("ratio", joint.ratio, 1);
   out.add_unless("break_force", joint.break_force, 0).add_unless("break_torque", joint.break_torque, 0);
