@@ -232,6 +232,9 @@ if(TARGET psim_shared AND NOT CMAKE_CROSSCOMPILING)
   set(_install_arguments
     -D "BUILD_DIR=${PROJECT_BINARY_DIR}" -D "CXX=${CMAKE_CXX_COMPILER}" -D "CC=${CMAKE_C_COMPILER}"
     -D "GENERATOR=${CMAKE_GENERATOR}" -D "PYTHON=${Python3_EXECUTABLE}")
+  if(TARGET psim)
+    list(APPEND _install_arguments -D "PSIM=$<TARGET_FILE:psim>")
+  endif()
   add_test(NAME InstalledLibraryServesAConsumer
     COMMAND ${CMAKE_COMMAND} ${_install_arguments} -D "NM=${CMAKE_NM}"
       -D "CONSUMER_DIR=${PROJECT_SOURCE_DIR}/tests/install"
