@@ -284,7 +284,7 @@ if(Python3_FOUND)
   add_test(NAME PicturesAreShownAndDiagramsCurrent
     COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tools/pictures" --check)
   set_tests_properties(SceneReferenceIsCurrent FunctionsOfOtherEnginesAreFound CodeOfThePagesCompiles
-    PicturesAreShownAndDiagramsCurrent PROPERTIES LABELS docs TIMEOUT 120)
+    PicturesAreShownAndDiagramsCurrent PROPERTIES LABELS docs TIMEOUT 300)
 endif()
 
 # Who includes whom, sizes of files and folders, and the layout of the code. Label `rooms`.

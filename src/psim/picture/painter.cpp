@@ -236,8 +236,8 @@ void Painter::paint_contacts(Canvas& canvas, const PictureCamera& camera, const 
   }
 }
 
-// From anchor to anchor; where the anchors coincide, from the places of the bodies that move. In a periodic world a joint
-// over a side is seen at both.
+// From anchor to anchor; where the anchors coincide, from the places of the bodies that move. In a periodic world a
+// joint over a side is seen at both.
 void Painter::paint_joints(Canvas& canvas, const PictureCamera& camera, const Moment& moment) const {
   const Bounds& world = scene_.world.bounds;
   const bool wraps = scene_.world.boundary == Boundary::periodic;
