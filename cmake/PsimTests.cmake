@@ -281,7 +281,13 @@ if(Python3_FOUND)
     COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tools/scene-reference" --check)
   add_test(NAME FunctionsOfOtherEnginesAreFound
     COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tests/docs/check_functions.py" "${PROJECT_SOURCE_DIR}")
-  set_tests_properties(SceneReferenceIsCurrent FunctionsOfOtherEnginesAreFound PROPERTIES LABELS docs TIMEOUT 60)
+  add_test(NAME CodeOfThePagesCompiles
+    COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tests/docs/check_snippets.py" "${PROJECT_SOURCE_DIR}"
+            "${CMAKE_C_COMPILER}" "${CMAKE_CXX_COMPILER}" gcc g++ clang clang++)
+  add_test(NAME PicturesAreShownAndDiagramsCurrent
+    COMMAND Python3::Interpreter "${PROJECT_SOURCE_DIR}/tools/pictures" --check)
+  set_tests_properties(SceneReferenceIsCurrent FunctionsOfOtherEnginesAreFound CodeOfThePagesCompiles
+    PicturesAreShownAndDiagramsCurrent PROPERTIES LABELS docs TIMEOUT 300)
 endif()
 
 # Who includes whom, sizes of files and folders, and the layout of the code. Label `rooms`.

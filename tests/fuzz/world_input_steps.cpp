@@ -49,6 +49,8 @@ void Session::stepped(const std::vector<StepReport>& reports) {
     if (same_events(world, *worlds_[k])) continue;
     throw Fault{"the events of two variants differ: " + events_answer(world) + " and " + events_answer(*worlds_[k])};
   }
+  require(report.no_room_for != nullptr || report.awake + report.asleep == world.dynamic_count(),
+          "each body is awake or asleep");
   if (talks_) say_fastest(world);
   std::vector<BodyId> gone;
   for (const BodyId id : bodies_) {

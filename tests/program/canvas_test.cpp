@@ -3,8 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <numbers>
 #include <random>
 #include <thread>
@@ -133,6 +135,65 @@ TEST(Canvas, ShapesOutsideAndWithoutAreaPaintNothing) {
   EXPECT_EQ(convex_light(square(10, 1e9, 30, 0), 0), 0);
   EXPECT_EQ(convex_light({{10, 10}, {50, 50}}, 0), 0);
   EXPECT_EQ(convex_light({}, 5), 0);
+}
+
+TEST(Canvas, FiguresEndAtTheWindow) {
+  constexpr Colour kWhite{1, 1, 1};
+  Canvas canvas(20, 20);
+  canvas.show_within(5, 5.5, 15, 12);
+  canvas.disc(10, 10, 30, kWhite);
+  canvas.line({0, 18}, {20, 18}, 2, kWhite);
+  std::vector<std::uint8_t> bytes;
+  canvas.to_srgb(bytes);
+  for (int y = 0; y < 20; ++y) {
+    for (int x = 0; x < 20; ++x) {
+      const bool inside = x >= 5 && x < 15 && y >= 6 && y < 12, cut = x >= 5 && x < 15 && y == 5;
+      const int level = bytes[3 * static_cast<std::size_t>(y * 20 + x)];
+      EXPECT_NEAR(level, inside ? 255 : cut ? 188 : 0, 1) << x << " " << y;  // half the light is 188
+    }
+  }
+  canvas.clear({});
+  canvas.disc(10, 10, 30, kWhite);
+  canvas.to_srgb(bytes);
+  EXPECT_EQ(bytes[0], 255);  // a new picture has none
+}
+
+// What lies at the border of a picture, or beyond, is as in a larger picture.
+TEST(Canvas, TheBorderLeavesNoTrace) {
+  constexpr int kLarge = 96, kWidth = 40, kHeight = 70, kLeft = 28, kTop = 13;
+  std::mt19937_64 engine(1);
+  const auto uniform = [&engine](double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(engine);
+  };
+  for (int round = 0; round < 600; ++round) {
+    Canvas large(kLarge, kLarge), small(kWidth, kHeight);
+    for (int k = 0; k < 3; ++k) {
+      const double size = std::exp(uniform(std::log(0.05), std::log(1e5))), turn = uniform(0, 6.3);
+      const double beside = size > 20 ? size : 0;  // a large one has its edge there
+      const Point at{uniform(0, kLarge) + beside * std::cos(turn), uniform(0, kLarge) + beside * std::sin(turn)};
+      const Colour colour{static_cast<float>(uniform(0, 1)), static_cast<float>(uniform(0, 1)), 1};
+      const double rounding = round % 2 == 0 ? 0 : 0.3 * size;
+      for (Canvas* canvas : {&large, &small}) {
+        const Point p = canvas == &large ? at : Point{at.x - kLeft, at.y - kTop};
+        const Point corners[] = {{p.x - size, p.y}, {p.x, p.y + 0.7 * size}, {p.x + size, p.y + 0.1 * size}};
+        if (round % 4 == 0) canvas->disc(p.x, p.y, size, colour);
+        if (round % 4 == 1) canvas->line(p, {p.x + size, p.y - 0.3 * size}, 3, colour);
+        if (round % 4 == 2) canvas->ring(p.x, p.y, size, 1.2, colour);
+        if (k == 2) canvas->convex(corners, rounding, colour);
+      }
+    }
+    std::vector<std::uint8_t> whole, part;
+    large.to_srgb(whole);
+    small.to_srgb(part);
+    int worst = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      for (int b = 0; b < 3 * kWidth; ++b) {
+        const auto of_whole = static_cast<std::size_t>(3 * ((y + kTop) * kLarge + kLeft) + b);
+        worst = std::max(worst, std::abs(whole[of_whole] - part[static_cast<std::size_t>(3 * y * kWidth + b)]));
+      }
+    }
+    ASSERT_LE(worst, 2) << round;
+  }
 }
 
 TEST(Canvas, TinyShapesKeepTheirBrightness) {

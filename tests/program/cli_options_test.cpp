@@ -1,5 +1,6 @@
 // The command line: what is refused, how it is said, and what needs no run.
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "cli_runner.h"
 #include "psim/isa.h"
@@ -127,6 +128,35 @@ TEST(CliOptions, EveryListedSceneCanBeExplained) {
   EXPECT_EQ(explained.status, 0) << explained.err;
   EXPECT_NE(explained.out.find("broad_phase"), std::string::npos);
   EXPECT_NE(explained.out.find("integrate"), std::string::npos);
+}
+
+// A stage that is needed never reads as if it took no memory, and the numbers add up to the last line's.
+TEST(CliOptions, ExplainTellsTheBytesOfEachStage) {
+  for (const char* scene : {"discs", "rain", "cloth", "hourglass"}) {
+    const Outcome explained = run_psim({"--explain", "--scene", scene, "--particles", "200"});
+    ASSERT_EQ(explained.status, 0) << explained.err;
+    const std::vector<std::string> lines = lines_of(explained.out);
+    const auto number = [](std::string text) {
+      std::erase(text, ',');
+      return std::stoull(text);
+    };
+    unsigned long long sum = 0;
+    int shared = 0;
+    for (std::size_t k = 2; k + 1 < lines.size(); ++k) {
+      std::istringstream words(lines[k]);
+      std::string stage, needed, bytes;
+      words >> stage >> needed >> bytes;
+      EXPECT_FALSE(needed == "yes" && bytes == "0") << lines[k];
+      if (bytes == "-") {
+        EXPECT_EQ(needed, "yes") << lines[k];
+        ++shared;
+      } else {
+        sum += number(bytes);
+      }
+    }
+    EXPECT_GE(shared, 4) << scene;
+    EXPECT_EQ(sum, number(lines.back().substr(0, lines.back().find(' ')))) << lines.back();
+  }
 }
 
 TEST(CliOptions, CheckFailsOnASceneThatWillGoWrong) {

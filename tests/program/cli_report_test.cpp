@@ -55,6 +55,23 @@ TEST(CliReport, TextHasItsLines) {
   }
 }
 
+// Two points of a box make one pair. Only a part of the budget may be more than all of it.
+TEST(CliReport, NoShareIsMoreThanTheWhole) {
+  for (const char* scene : {"vertical_stack", "pyramid", "rain", "hourglass", "newtons_cradle", "spinner", "cloth"}) {
+    const Outcome outcome = run_psim({"--scene", scene, "--particles", "600", "--frames", "40", "--profile"});
+    ASSERT_EQ(outcome.status, 0) << outcome.err;
+    int shares = 0;
+    const std::regex share("(\\d+\\.\\d+) %");
+    for (const std::string& line : lines_of(outcome.out)) {
+      const bool of_budget = std::regex_match(line, std::regex("[A-Z][a-z -]+( +\\d+\\.\\d+){3} %"));
+      for (std::sregex_iterator at(line.begin(), line.end(), share), end; !of_budget && at != end; ++at, ++shares) {
+        EXPECT_LE(std::stod((*at)[1]), 100) << scene << ": " << line;
+      }
+    }
+    EXPECT_GT(shares, 10) << scene << "\n" << outcome.out;
+  }
+}
+
 TEST(CliReport, ProfileNamesTheBottleneckAndTheThreads) {
   const Outcome outcome = run_psim({"--particles", "3000", "--frames", "20", "--threads", "2", "--profile"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;

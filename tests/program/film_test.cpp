@@ -72,7 +72,7 @@ TEST(Film, TheViewWidensAsTheSceneSpreads) {
   const SceneShapes shapes(scene);
   FilmView film(scene, shapes);
   Bounds before = film.follow(one_body(0, 0));
-  EXPECT_LT(before.xmax, 1);
+  EXPECT_LT(before.xmax, 2);
   for (int k = 0; k < 200; ++k) {
     const Bounds view = film.follow(one_body(std::min(0.1 * k, 10.0), 0));
     EXPECT_LE(view.xmin, before.xmin);

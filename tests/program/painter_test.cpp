@@ -82,6 +82,39 @@ TEST_F(Painting, StripsAndColoursHaveHuesAndWhoHasNoneIsGrey) {
 }
 
 // From the middle of a body to where it touches.
+// Where bodies pass from one side of a periodic world to the other, there is no speck outside of it.
+TEST_F(Painting, OverTheSeamOfAPeriodicWorldABodyIsSeenAtBothSides) {
+  scene_.world.bounds = {-2, -1.5, 2, 1.5};
+  scene_.world.boundary = Boundary::periodic;
+  moment_.x = {-1.9, 0};
+  moment_.y = {1.4, 0};
+  constexpr int kWidth = 60, kHeight = 40;  // 10 pixels a metre; the world is 40 x 30 in the middle
+  Canvas canvas(kWidth, kHeight);
+  const Painter painter(scene_, Colouring::type);
+  const auto picture = [&] {
+    painter.paint(canvas, PictureCamera({-3, -2, 3, 2}, kWidth, kHeight), moment_, {10, 10, 10});
+    std::vector<std::uint8_t> bytes;
+    canvas.to_srgb(bytes);
+    return bytes;
+  };
+  const std::vector<std::uint8_t> bytes = picture();
+  const auto blue = [&](int x, int y) { return bytes[3 * static_cast<std::size_t>(y * kWidth + x) + 2] > 100; };
+  EXPECT_TRUE(blue(12, 7));  // the corner at which it is
+  EXPECT_TRUE(blue(48, 7));  // and the three others
+  EXPECT_TRUE(blue(12, 33));
+  EXPECT_TRUE(blue(48, 33));
+  EXPECT_TRUE(blue(30, 23));  // the other body
+  EXPECT_FALSE(blue(15, 20));
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const bool outside = x < 10 || x >= 50 || y < 5 || y >= 35;
+      EXPECT_FALSE(outside && blue(x, y)) << x << " " << y;
+    }
+  }
+  moment_.x[0] += 4;  // between two frames a body may be past the side
+  EXPECT_EQ(picture(), bytes);
+}
+
 TEST_F(Painting, ContactsHaveTheirColour) {
   moment_.group = {kNoColour, kNoColour};
   const auto without = paint(Colouring::solver);

@@ -20,8 +20,8 @@ typedef struct psim_step_report {
   uint64_t pairs;                    ///< candidate pairs in the lists
   uint64_t contacts;                 ///< points that touch: at most two a pair
   uint64_t pairs_reused;             ///< of the pairs, those whose contacts lay as they were
-  uint64_t awake;                    ///< dynamic and kinematic bodies that were stepped
-  uint64_t asleep;                   ///< dynamic bodies that sleep after it
+  uint64_t awake;                    ///< dynamic and kinematic bodies that are awake after it
+  uint64_t asleep;                   ///< dynamic bodies that sleep after it: all others of psim_world_dynamic_count
   uint64_t arena_growths;            ///< allocations that the step had to make
   uint32_t colours;                  ///< most colours that any group of contacts needed
   uint32_t stopped;                  ///< of those, bodies that struck something on their way

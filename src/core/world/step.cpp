@@ -201,21 +201,17 @@ void publish(Owners& w, StepReport& report) {
   }
 }
 
-// Tells who was awake in this step, and who is asleep after it.
+// Bodies at rest fall asleep.
 void fall_asleep(Owners& w, double frame_dt, StepReport& report) {
-  const BodyStore& bodies = w.bodies;
-  report.awake = bodies.awake();
-  if (report.detail.solves && w.plan.sleep && report.awake != 0) {
-    const StageTimer timer(report, w.tracer, Stage::sleep);
-    try {
-      w.note_sleep(w.sleep.step(w.sleep_source(), w.ledger.steps, frame_dt * report.detail.frames));
-    } catch (const std::bad_alloc&) {
-      if (w.sleep.sleepers.leaving) throw;
-      w.recover();
-      lose(report, "sleep");
-    }
+  if (!report.detail.solves || !w.plan.sleep || w.bodies.awake() == 0) return;
+  const StageTimer timer(report, w.tracer, Stage::sleep);
+  try {
+    w.note_sleep(w.sleep.step(w.sleep_source(), w.ledger.steps, frame_dt * report.detail.frames));
+  } catch (const std::bad_alloc&) {
+    if (w.sleep.sleepers.leaving) throw;
+    w.recover();
+    lose(report, "sleep");
   }
-  report.asleep = w.sleep.sleepers.list.size();
 }
 
 // Bodies that fell asleep or woke, and those that moved.
@@ -293,6 +289,9 @@ StepReport try_step(Owners& w, double dt, const StepDetail* given) {
     fall_asleep(w, dt, report);
     collect_sleep(w, report);
   }
+  // At one moment, so that each body is counted once.
+  report.awake = w.bodies.awake();
+  report.asleep = w.sleep.sleepers.list.size();
   w.ledger.end_step(w.memory, report);
   report.total_ms = std::chrono::duration<double, std::milli>(w.tracer.begin() - begin).count();
   return report;

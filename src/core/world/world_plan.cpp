@@ -123,6 +123,7 @@ std::vector<PlanEntry> World::plan() const try {
   const ContactStore& c = w.contacts.discs;
   count("forces", sum(b.acc, b.pull, b.vel_remainder, b.spare) + (w.dynamics.forces ? sizeof(Forces) : 0));
   count("forces.integrator", sum(b.drift_correction, b.disp_remainder));
+  count("restraints", w.population.restraints.bytes());
   count("broad_phase.mixed_radii", w.neighbours.broad.mover().radii_bytes());
   count("solver.restitution", sum(b.event_time, b.rim_way) + c.pairs.bounce_bytes() + c.fixed.bounce_bytes() +
                                   w.contacts.solved.impact_bytes() + w.dynamics.solver.impact_bytes());

@@ -64,15 +64,19 @@ int explain_scene(const Options& options) {
   std::string text =
       fmt::format("psim {}  scene {}  {} bodies ({} dynamic, {} static)\n", PSIM_VERSION_STRING, one_line(scene.name),
                   grouped(world->body_count()), grouped(world->dynamic_count()), grouped(world->static_count()));
-  fmt::format_to(std::back_inserter(text), "{:<{}}  needed  {:>13}  reason\n", "stage", width, "bytes");
+  fmt::format_to(std::back_inserter(text), "{:<{}}  needed  {:>13}  reason\n", "stage", width, "own bytes");
   std::size_t bytes = 0;
   for (const PlanEntry& entry : plan) {
     bytes += entry.bytes;
+    // A stage that runs works on something: 0 would read as if it took no memory.
+    const std::string own = entry.needed && entry.bytes == 0 ? "-" : grouped(entry.bytes);
     fmt::format_to(std::back_inserter(text), "{:<{}}  {:<6}  {:>13}  {}\n", entry.stage, width,
-                   entry.needed ? "yes" : "no", grouped(entry.bytes), entry.reason);
+                   entry.needed ? "yes" : "no", own, entry.reason);
   }
-  fmt::format_to(std::back_inserter(text), "{} of {} bytes after a step are for one stage alone\n", grouped(bytes),
-                 grouped(world->memory_bytes()));
+  fmt::format_to(std::back_inserter(text),
+                 "{} of {} bytes after a step are for one stage alone; - has none of its own, but works on the bodies, "
+                 "lists and contacts that stages share\n",
+                 grouped(bytes), grouped(world->memory_bytes()));
   print_out(text);
   return 0;
 }

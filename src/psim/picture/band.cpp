@@ -54,6 +54,11 @@ double depth_of(std::span<const Point> polygon) {
   return depth;
 }
 
+// The share of a pixel's row or column that lies between two heights or widths.
+double overlap(double low, double high, int pixel) {
+  return std::clamp(std::min(high, pixel + 1.0) - std::max(low, static_cast<double>(pixel)), 0.0, 1.0);
+}
+
 }  // namespace
 
 void Band::begin_picture(int width, int height, const Figures& figures, const Backdrop& backdrop) {
@@ -209,9 +214,6 @@ void Band::look_behind(int y) {
   }
   if (!behind_.empty() && heights_ == heights_before_) return;
   heights_.swap(heights_before_);
-  const auto overlap = [](double low, double high, int pixel) {
-    return std::clamp(std::min(high, pixel + 1.0) - std::max(low, static_cast<double>(pixel)), 0.0, 1.0);
-  };
   std::vector<Colour> row(static_cast<std::size_t>(width_), backdrop_->colour);
   for (const Backdrop::Rect& rect : backdrop_->rects) {
     const double high = overlap(rect.y0, rect.y1, y);
@@ -230,12 +232,23 @@ void Band::look_behind(int y) {
   }
 }
 
+// What figures put into a row stays as far as the window covers the pixels.
+void Band::hide_outside(const Backdrop::Rect& window, int y, const Touched& touched) {
+  const double rows = overlap(window.y0, window.y1, y);
+  Light* const pixels = pixels_.data() + static_cast<std::ptrdiff_t>(y - top_) * width_;
+  for (int x = touched.left; x < touched.right; ++x) {
+    const double share = rows * overlap(window.x0, window.x1, x);
+    if (share < 1) pixels[x] = pixels[x] * static_cast<float>(share);
+  }
+}
+
 // Pixels that no figure touches are those of the background's row.
 void Band::finish_row(int y, std::uint8_t* out) {
   look_behind(y);
   std::copy(behind_rgb_.begin(), behind_rgb_.end(), out);
   const Touched touched = touched_[static_cast<std::size_t>(y - top_)];
   Light* const pixels = pixels_.data() + static_cast<std::ptrdiff_t>(y - top_) * width_;
+  if (backdrop_->window) hide_outside(*backdrop_->window, y, touched);
   for (int x = touched.left; x < touched.right; ++x) {
     const Light light = pixels[x];
     if (light[3] <= kRoundingShare) continue;

@@ -53,6 +53,7 @@ class Band {
   void paint(const Look& look);
   void look_behind(int y);
   void finish_row(int y, std::uint8_t* out);
+  void hide_outside(const Backdrop::Rect& window, int y, const Touched& touched);
 
   int width_ = 0, height_ = 0;  // of the picture
   int top_ = 0, bottom_ = 0;    // of the band

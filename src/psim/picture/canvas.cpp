@@ -23,12 +23,13 @@ Colour from_srgb(std::uint32_t rgb) {
 Canvas::Canvas(int width, int height, Colour background)
     : width_(width),
       height_(height),
-      backdrop_{background, {}},
+      backdrop_{background, {}, {}},
       in_band_(static_cast<std::size_t>((height + kBandRows - 1) / kBandRows)) {}
 
 void Canvas::clear(Colour background) {
   backdrop_.colour = background;
   backdrop_.rects.clear();
+  backdrop_.window.reset();
   figures_.all.clear();
   figures_.corners.clear();
   for (auto& numbers : in_band_) numbers.clear();
@@ -37,6 +38,8 @@ void Canvas::clear(Colour background) {
 void Canvas::background_rect(double x0, double y0, double x1, double y1, Colour colour) {
   backdrop_.rects.push_back({x0, y0, x1, y1, colour});
 }
+
+void Canvas::show_within(double x0, double y0, double x1, double y1) { backdrop_.window = {x0, y0, x1, y1, {}}; }
 
 void Canvas::note(const Figure& figure, double x0, double y0, double x1, double y1) {
   const PixelBox box = pixel_box(x0, y0, x1, y1, width_, height_);

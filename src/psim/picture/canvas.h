@@ -28,6 +28,9 @@ class Canvas {
   /// Paints a rectangle of the background, over those before.
   void background_rect(double x0, double y0, double x1, double y1, Colour colour);
 
+  /// Figures show within this rectangle alone.
+  void show_within(double x0, double y0, double x1, double y1);
+
   /// A disc. One of 3 pixels of radius or more gets a darker rim. What is not opaque lets through what lies
   /// below.
   void disc(double x, double y, double radius, Colour colour, float opacity = 1);

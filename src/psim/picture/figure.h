@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -41,7 +42,8 @@ struct Figures {
   }
 };
 
-/// What lies behind: one colour, and rectangles over it, the later over the earlier.
+/// What lies behind: one colour, and rectangles over it, the later over the earlier. Figures may show within a window
+/// alone.
 struct Backdrop {
   struct Rect {
     double x0, y0, x1, y1;
@@ -49,6 +51,7 @@ struct Backdrop {
   };
   Colour colour;
   std::vector<Rect> rects;
+  std::optional<Rect> window;
 };
 
 }  // namespace psim::cli

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <optional>
 #include <variant>
 
 namespace psim::cli {
@@ -94,8 +95,7 @@ Brightest brightest(const Scene& scene, const Moment& moment, const SceneShapes&
           std::max(nearly_greatest(forces), 1e-300)};
 }
 
-Painter::Painter(const Scene& scene, Colouring colouring)
-    : scene_(scene), colouring_(colouring), shapes_(scene), joints_(drawn_joints(scene)) {}
+Painter::Painter(const Scene& scene, Colouring colouring) : scene_(scene), colouring_(colouring), shapes_(scene) {}
 
 void Painter::paint(Canvas& canvas, const PictureCamera& camera, const Moment& moment, const Brightest& bright) const {
   canvas.clear(kOutside);
@@ -106,10 +106,14 @@ void Painter::paint(Canvas& canvas, const PictureCamera& camera, const Moment& m
   paint_wells(canvas, camera);
 }
 
-Colour Painter::colour_of(const Moment& moment, std::size_t row, const BodyDesc& body, bool is_line,
-                          const Brightest& bright) const {
+Colour Painter::colour_of(const Moment& moment, std::size_t row, const Brightest& bright) const {
   constexpr double kStillShare = 0.02;  // of the brightest speed: slower has no direction
-  if (moment.type[row] == BodyType::static_body) return is_line ? kLine : kStatic;
+  const BodyDesc& body = shapes_.of(moment.id[row]);
+  if (moment.type[row] == BodyType::static_body) {
+    const bool is_line =
+        std::holds_alternative<ChainShape>(body.shape) || std::holds_alternative<SegmentShape>(body.shape);
+    return is_line ? kLine : kStatic;
+  }
   const double vx = moment.vx[row], vy = moment.vy[row];
   const double speed = std::sqrt(vx * vx + vy * vy) / bright.speed;
   Colour colour;
@@ -158,41 +162,60 @@ void Painter::paint_world(Canvas& canvas, const PictureCamera& camera) const {
     canvas.background_rect(low.x - width, low.y - width, high.x + width, high.y + width, walls ? kWall : kSeam);
   }
   canvas.background_rect(low.x, low.y, high.x, high.y, kInside);
+  if (scene_.world.boundary == Boundary::periodic) canvas.show_within(low.x, low.y, high.x, high.y);
 }
 
+// In a periodic world, a body that reaches over a side is seen at the other side, too.
 void Painter::paint_bodies(Canvas& canvas, const PictureCamera& camera, const Moment& moment,
                            const Brightest& bright) const {
-  constexpr double kSpokeFrom = 7;  // pixels of radius from which on a disc shows how it is turned
-  std::vector<Point> corners;
+  const Bounds& world = scene_.world.bounds;
+  const bool wraps = scene_.world.boundary == Boundary::periodic;
+  const double across = world.xmax - world.xmin, up = world.ymax - world.ymin;
   for (std::size_t row = 0; row < moment.size(); ++row) {
     if (!shapes_.is_drawn(moment, row)) continue;
-    const BodyDesc& body = shapes_.of(moment.id[row]);
-    const bool is_line =
-        std::holds_alternative<ChainShape>(body.shape) || std::holds_alternative<SegmentShape>(body.shape);
-    const Colour colour = colour_of(moment, row, body, is_line, bright);
-    const float opacity = body.sensor ? kSensorOpacity : 1;
-    if (is_disc(body.shape)) {
-      const Point at = camera.at({moment.x[row], moment.y[row]});
-      const double r = camera.length(moment.radius[row]);
-      canvas.disc(at.x, at.y, r, colour, opacity);
-      if (r < kSpokeFrom || moment.type[row] == BodyType::static_body) continue;
-      const double c = r * std::cos(moment.angle[row]), s = r * std::sin(moment.angle[row]);
-      canvas.line({at.x + 0.35 * c, at.y - 0.35 * s}, {at.x + 0.78 * c, at.y - 0.78 * s}, std::max(1.2, 0.09 * r),
-                  mix(colour, Colour{}, 0.55f));
+    const Colour colour = colour_of(moment, row, bright);
+    if (!wraps) {
+      paint_body(canvas, camera, moment, row, {}, colour);
       continue;
     }
-    for (const Outline& placed : shapes_.placed(moment, row)) {
-      corners.clear();
-      for (const Vec2& p : placed.points) corners.push_back(camera.at(p));
-      const std::size_t n = corners.size();
-      if (n == 1) {
-        canvas.disc(corners[0].x, corners[0].y, camera.length(placed.radius), colour, opacity);
-      } else if (!placed.line) {
-        canvas.convex(corners, camera.length(placed.radius), colour, opacity);
+    const double x = moment.x[row], y = moment.y[row], reach = shapes_.reach(moment, row);
+    const auto is_seen = [reach](double at, double min, double max) { return at + reach > min && at - reach < max; };
+    for (const double right : {-across, 0.0, across}) {
+      if (!is_seen(x + right, world.xmin, world.xmax)) continue;
+      for (const double above : {-up, 0.0, up}) {
+        if (is_seen(y + above, world.ymin, world.ymax)) paint_body(canvas, camera, moment, row, {right, above}, colour);
       }
-      for (std::size_t k = placed.closed ? 0 : 1; placed.line && k < n; ++k) {
-        canvas.line(corners[(k + n - 1) % n], corners[k], kLineWidth, colour);
-      }
+    }
+  }
+}
+
+void Painter::paint_body(Canvas& canvas, const PictureCamera& camera, const Moment& moment, std::size_t row, Vec2 shift,
+                         Colour colour) const {
+  constexpr double kSpokeFrom = 7;  // pixels of radius from which on a disc shows how it is turned
+  const BodyDesc& body = shapes_.of(moment.id[row]);
+  const float opacity = body.sensor ? kSensorOpacity : 1;
+  if (is_disc(body.shape)) {
+    const Point at = camera.at({moment.x[row] + shift.x, moment.y[row] + shift.y});
+    const double r = camera.length(moment.radius[row]);
+    canvas.disc(at.x, at.y, r, colour, opacity);
+    if (r < kSpokeFrom || moment.type[row] == BodyType::static_body) return;
+    const double c = r * std::cos(moment.angle[row]), s = r * std::sin(moment.angle[row]);
+    canvas.line({at.x + 0.35 * c, at.y - 0.35 * s}, {at.x + 0.78 * c, at.y - 0.78 * s}, std::max(1.2, 0.09 * r),
+                mix(colour, Colour{}, 0.55f));
+    return;
+  }
+  std::vector<Point> corners;
+  for (const Outline& placed : shapes_.placed(moment, row)) {
+    corners.clear();
+    for (const Vec2& p : placed.points) corners.push_back(camera.at({p.x + shift.x, p.y + shift.y}));
+    const std::size_t n = corners.size();
+    if (n == 1) {
+      canvas.disc(corners[0].x, corners[0].y, camera.length(placed.radius), colour, opacity);
+    } else if (!placed.line) {
+      canvas.convex(corners, camera.length(placed.radius), colour, opacity);
+    }
+    for (std::size_t k = placed.closed ? 0 : 1; placed.line && k < n; ++k) {
+      canvas.line(corners[(k + n - 1) % n], corners[k], kLineWidth, colour);
     }
   }
 }
@@ -213,38 +236,26 @@ void Painter::paint_contacts(Canvas& canvas, const PictureCamera& camera, const 
   }
 }
 
-// From anchor to anchor; where the anchors coincide, from the places of the bodies that move.
+// From anchor to anchor; where the anchors coincide, from the places of the bodies that move. In a periodic world a
+// joint over a side is seen at both.
 void Painter::paint_joints(Canvas& canvas, const PictureCamera& camera, const Moment& moment) const {
   const Bounds& world = scene_.world.bounds;
   const bool wraps = scene_.world.boundary == Boundary::periodic;
+  const double across = world.xmax - world.xmin, up = world.ymax - world.ymin;
   const auto draw = [&](Vec2 from, Vec2 to) {
-    // Not across the seam.
-    if (wraps && (std::fabs(to.x - from.x) > (world.xmax - world.xmin) / 2 ||
-                  std::fabs(to.y - from.y) > (world.ymax - world.ymin) / 2)) {
-      return;
-    }
-    canvas.line(camera.at(from), camera.at(to), kJointWidth, kJoint);
+    const Vec2 over =
+        wraps ? Vec2{across * std::round((to.x - from.x) / across), up * std::round((to.y - from.y) / up)} : Vec2{};
+    canvas.line(camera.at(from), camera.at({to.x - over.x, to.y - over.y}), kJointWidth, kJoint);
+    if (over.x == 0 && over.y == 0) return;
+    canvas.line(camera.at({from.x + over.x, from.y + over.y}), camera.at(to), kJointWidth, kJoint);
   };
-  for (const SceneJoint& joint : joints_) {
-    const std::uint64_t body[] = {joint.a, joint.b};
-    const Vec2 local[] = {joint.joint.anchor_a, joint.joint.anchor_b};
-    Vec2 place[2], anchor[2];
-    bool there = true, moves[2] = {};
-    for (const int side : {0, 1}) {
-      anchor[side] = local[side];
-      if (body[side] == kWorldSide) continue;
-      const std::size_t row = moment.row_of(body[side]);
-      there = there && row != moment.size();
-      if (row == moment.size()) continue;
-      place[side] = {moment.x[row], moment.y[row]};
-      anchor[side] = to_world(local[side], place[side], moment.angle[row]);
-      moves[side] = moment.type[row] != BodyType::static_body;
-    }
-    if (!there || !std::isfinite(anchor[0].x + anchor[0].y + anchor[1].x + anchor[1].y)) continue;
-    draw(anchor[0], anchor[1]);
+  for (const SceneJoint& joint : shapes_.joints()) {
+    const std::optional<JointEnds> ends = SceneShapes::ends_of(joint, moment);
+    if (!ends) continue;
+    draw(ends->anchor[0], ends->anchor[1]);
     if (joint.joint.type < JointType::revolute) continue;
-    for (const int side : {0, 1}) {
-      if (moves[side]) draw(place[side], anchor[side]);
+    for (std::size_t side = 0; side < 2; ++side) {
+      if (ends->moves[side]) draw(ends->place[side], ends->anchor[side]);
     }
   }
 }

@@ -28,10 +28,11 @@ class Painter {
   const SceneShapes& shapes() const { return shapes_; }
 
  private:
-  Colour colour_of(const Moment& moment, std::size_t row, const BodyDesc& body, bool is_line,
-                   const Brightest& bright) const;
+  Colour colour_of(const Moment& moment, std::size_t row, const Brightest& bright) const;
   void paint_world(Canvas& canvas, const PictureCamera& camera) const;
   void paint_bodies(Canvas& canvas, const PictureCamera& camera, const Moment& moment, const Brightest& bright) const;
+  void paint_body(Canvas& canvas, const PictureCamera& camera, const Moment& moment, std::size_t row, Vec2 shift,
+                  Colour colour) const;
   void paint_contacts(Canvas& canvas, const PictureCamera& camera, const Moment& moment) const;
   void paint_joints(Canvas& canvas, const PictureCamera& camera, const Moment& moment) const;
   void paint_wells(Canvas& canvas, const PictureCamera& camera) const;
@@ -39,7 +40,6 @@ class Painter {
   const Scene& scene_;
   Colouring colouring_;
   SceneShapes shapes_;
-  std::vector<SceneJoint> joints_;
 };
 
 }  // namespace psim::cli

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <variant>
+#include <vector>
 
 namespace psim::cli {
 namespace {
@@ -17,6 +20,12 @@ void include(Bounds& box, const Bounds& other) {
 
 bool is_empty(const Bounds& box) { return !(box.xmin <= box.xmax); }
 
+Bounds point_at(Vec2 at) { return {at.x, at.y, at.x, at.y}; }
+
+bool holds(const Bounds& box, const Bounds& other) {
+  return box.xmin <= other.xmin && box.ymin <= other.ymin && box.xmax >= other.xmax && box.ymax >= other.ymax;
+}
+
 double longer_side(const Bounds& box) { return std::max({box.xmax - box.xmin, box.ymax - box.ymin, 1e-9}); }
 
 Bounds grown(const Bounds& box, double by) { return {box.xmin - by, box.ymin - by, box.xmax + by, box.ymax + by}; }
@@ -29,58 +38,139 @@ Bounds box_of(const std::vector<Outline>& all) {
   return box;
 }
 
-// The box that leaves out this share of the boxes on each side.
-Bounds most_of(std::vector<Bounds>& boxes, double share) {
-  if (boxes.empty()) return kNothing;
-  const auto skip = static_cast<std::ptrdiff_t>(share * static_cast<double>(boxes.size()));
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+struct Look {
+  const Scene& scene;
+  const Moment& moment;
+  const SceneShapes& shapes;
+
+  bool has(std::size_t row, bool standing) const {
+    return (moment.type[row] == BodyType::static_body) == standing && shapes.is_drawn(moment, row);
+  }
+  Bounds box(std::size_t row) const { return box_of(shapes.placed(moment, row)); }
+};
+
+using Boxes = std::vector<Bounds>;
+
+// Those of every stride-th body that moves, or of every stride-th that stands.
+Boxes sample(const Look& look, bool standing, std::size_t stride) {
+  Boxes boxes;
+  std::size_t count = 0;
+  for (std::size_t row = 0; row < look.moment.size(); ++row) {
+    if (look.has(row, standing) && count++ % stride == 0) boxes.push_back(look.box(row));
+  }
+  return boxes;
+}
+
+// How far bodies may be away and still count: one that was flung far would leave the others as dots.
+Bounds neighbourhood(Boxes& boxes, bool open) {
+  constexpr std::ptrdiff_t kPart = 8;            // one body of so many is left out on each side
+  constexpr double kReachOpen = 3, kReach = 10;  // of the longer side of the others
+  const std::ptrdiff_t skip = std::ssize(boxes) / kPart;
+  if (skip == 0) return {-kFar, -kFar, kFar, kFar};
   const auto side = [&](double Bounds::*of, bool greatest) {
     const auto at = boxes.begin() + skip;
     std::nth_element(boxes.begin(), at, boxes.end(),
                      [&](const Bounds& a, const Bounds& b) { return greatest ? a.*of > b.*of : a.*of < b.*of; });
     return (*at).*of;
   };
-  return {side(&Bounds::xmin, false), side(&Bounds::ymin, false), side(&Bounds::xmax, true), side(&Bounds::ymax, true)};
+  const Bounds most = {side(&Bounds::xmin, false), side(&Bounds::ymin, false), side(&Bounds::xmax, true),
+                       side(&Bounds::ymax, true)};
+  return grown(most, (open ? kReachOpen : kReach) * longer_side(most));
 }
 
-// The rectangle around bodies: of those that move every stride-th, less the strays on each side. In an
-// open world, which has no walls to show, what stands still counts only as far as it is near what
-// moves: ground may reach far.
-Bounds used_part(const Scene& scene, const Moment& moment, const SceneShapes& shapes, std::size_t stride,
-                 double strays) {
-  constexpr double kNear = 0.5;  // of the longer side of what moves
-  std::vector<Bounds> moving_boxes;
-  Bounds standing = kNothing;
-  std::size_t count = 0;
-  for (std::size_t row = 0; row < moment.size(); ++row) {
-    const bool stands = moment.type[row] == BodyType::static_body;
-    if (!stands && count++ % stride != 0) continue;
-    if (!shapes.is_drawn(moment, row)) continue;
-    const Bounds box = box_of(shapes.placed(moment, row));
-    if (stands) {
-      include(standing, box);
-    } else {
-      moving_boxes.push_back(box);
-    }
+// The rectangle around all bodies of a kind that lie there. Only those at its sides are looked at closely.
+Bounds around_bodies(const Look& look, bool standing, const Bounds& there) {
+  Bounds used = kNothing;
+  for (std::size_t row = 0; row < look.moment.size(); ++row) {
+    if (!look.has(row, standing)) continue;
+    const Vec2 at{look.moment.x[row], look.moment.y[row]};
+    if (holds(used, grown(point_at(at), look.shapes.reach(look.moment, row)))) continue;
+    const Bounds box = look.box(row);
+    if (holds(there, box)) include(used, box);
   }
-  const Bounds moving = most_of(moving_boxes, strays);
-  if (is_empty(moving) || is_empty(standing)) return is_empty(moving) ? standing : moving;
-  if (scene.world.boundary == Boundary::open) {
-    const Bounds near = grown(moving, kNear * longer_side(moving));
-    standing = {std::max(standing.xmin, near.xmin), std::max(standing.ymin, near.ymin),
-                std::min(standing.xmax, near.xmax), std::min(standing.ymax, near.ymax)};
-  }
-  Bounds used = moving;
-  include(used, standing);
   return used;
 }
 
-// The world, or on each axis what is used of it if that is far less.
+// What stands near that which moves. In an open world, which has no walls to show, ground may reach far: then a part of
+// it is enough.
+void include_ground(const Look& look, Bounds& used) {
+  constexpr double kWhole = 0.5, kPart = 0.25;  // of the longer side of what moves
+  const Bounds whole = grown(used, kWhole * longer_side(used)), part = grown(used, kPart * longer_side(used));
+  for (std::size_t row = 0; row < look.moment.size(); ++row) {
+    if (!look.has(row, true)) continue;
+    Bounds box = look.box(row);
+    if (look.scene.world.boundary == Boundary::open && !holds(whole, box)) {
+      box = {std::max(box.xmin, part.xmin), std::max(box.ymin, part.ymin), std::min(box.xmax, part.xmax),
+             std::min(box.ymax, part.ymax)};
+      if (box.xmin > box.xmax || box.ymin > box.ymax) continue;
+    }
+    include(used, box);
+  }
+}
+
+// Joints and wells hold what moves.
+void include_holds(const Look& look, Bounds& used) {
+  constexpr double kFarthestWell = 1000;  // of the longer side
+  const Bounds bodies = used, wells = grown(used, kFarthestWell * longer_side(used));
+  for (const SceneJoint& joint : look.shapes.joints()) {
+    const auto ends = SceneShapes::ends_of(joint, look.moment);
+    if (!ends || !(ends->moves[0] || ends->moves[1])) continue;
+    const Bounds from = point_at(ends->anchor[0]), to = point_at(ends->anchor[1]);
+    if (!holds(bodies, from) && !holds(bodies, to)) continue;
+    include(used, from);
+    include(used, to);
+  }
+  for (const Field& field : look.scene.world.fields) {
+    const auto* well = std::get_if<WellField>(&field);
+    if (well != nullptr && holds(wells, point_at(well->position))) include(used, point_at(well->position));
+  }
+}
+
+// A few bodies alone do not fill a picture: what is around them shows how they move.
+void make_room(const Boxes& boxes, Bounds& used) {
+  constexpr double kLeast = 3;  // bodies side by side
+  std::vector<double> widths, heights;
+  for (const Bounds& box : boxes) {
+    widths.push_back(box.xmax - box.xmin);
+    heights.push_back(box.ymax - box.ymin);
+  }
+  const auto widen = [](double& min, double& max, double least) {
+    const double more = std::max(least - (max - min), 0.0) / 2;
+    min -= more;
+    max += more;
+  };
+  widen(used.xmin, used.xmax, kLeast * median(std::move(widths)));
+  widen(used.ymin, used.ymax, kLeast * median(std::move(heights)));
+}
+
+// The rectangle around what a picture should show. What is too far away is told from every stride-th body. Where nobody
+// moves, it is around what stands.
+Bounds used_part(const Look& look, std::size_t stride) {
+  Boxes boxes = sample(look, false, stride);
+  const bool moves = !boxes.empty();
+  if (!moves) boxes = sample(look, true, stride);
+  if (boxes.empty()) return kNothing;
+  Bounds used = around_bodies(look, !moves, neighbourhood(boxes, look.scene.world.boundary == Boundary::open));
+  if (is_empty(used)) return kNothing;
+  include_holds(look, used);
+  if (moves) include_ground(look, used);
+  make_room(boxes, used);
+  return used;
+}
+
+// The world, or on each axis what is used of it if that is far less. An open world has no sides that could be seen.
 Bounds fitted(const Scene& scene, const Bounds& used) {
-  constexpr double kMuchLess = 0.6;
+  const double much_less = scene.world.boundary == Boundary::open ? 1 : 0.6;
   Bounds view = scene.world.bounds;
   if (is_empty(used)) return view;
-  const auto fit = [](double used_min, double used_max, double& min, double& max) {
-    if (used_max - used_min >= kMuchLess * (max - min)) return;
+  const auto fit = [&](double used_min, double used_max, double& min, double& max) {
+    if (used_max - used_min >= much_less * (max - min)) return;
     min = std::max(min, used_min);
     max = std::min(max, used_max);
   };
@@ -94,18 +184,17 @@ constexpr double kMargin = 0.03;  // of the longer side, around the view
 }  // namespace
 
 Bounds view_of_all(const Scene& scene, const Moment& moment, const SceneShapes& shapes) {
-  const Bounds view = fitted(scene, used_part(scene, moment, shapes, 1, 0));
+  const Bounds view = fitted(scene, used_part({scene, moment, shapes}, 1));
   return grown(view, kMargin * longer_side(view));
 }
 
 const Bounds& FilmView::follow(const Moment& moment) {
   constexpr std::size_t kSample = 4096;
-  constexpr double kStrays = 0.0025;  // on each side
   constexpr double kNearSide = 0.02;  // of the longer side: who comes so near to the view's side widens it
   constexpr double kRoom = 0.15;      // by this much beyond
   constexpr double kFollow = 0.06;    // of the way a picture
   const std::size_t stride = std::max<std::size_t>(moment.size() / kSample, 1);
-  const Bounds used = used_part(scene_, moment, shapes_, stride, kStrays);
+  const Bounds used = used_part({scene_, moment, shapes_}, stride);
   if (!begun_) {
     const Bounds view = fitted(scene_, used);
     wanted_ = view_ = grown(view, kMargin * longer_side(view));

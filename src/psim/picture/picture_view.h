@@ -7,12 +7,12 @@
 
 namespace psim::cli {
 
-/// The whole world, axis by axis, unless less than 60 % of it is in use: then what the bodies fill, in
-/// an open world without fixed geometry far away. A little room is left around it.
+/// What bodies, joints and wells fill, but for bodies far away from most others; in an open world only a part of ground
+/// that reaches far. On an axis on which that is 60 % of a world with sides, all of it. A little room is left around it.
 Bounds view_of_all(const Scene& scene, const Moment& moment, const SceneShapes& shapes);
 
-/// The view of a film. It begins with what the scene fills and widens, never narrows, as the scene spreads; a
-/// few bodies of many that fly far away are let go. Depends on the pictures before alone.
+/// The view of a film. It begins with what the scene fills and widens, never narrows, as the scene spreads; bodies that
+/// fly far away from most others are let go. Depends on the pictures before alone.
 class FilmView {
  public:
   FilmView(const Scene& scene, const SceneShapes& shapes) : scene_(scene), shapes_(shapes) {}

@@ -20,4 +20,26 @@ std::vector<Outline> SceneShapes::placed(const Moment& moment, std::size_t row) 
   return all;
 }
 
+double SceneShapes::reach(const Moment& moment, std::size_t row) const {
+  const Shape& shape = of(moment.id[row]).shape;
+  return is_disc(shape) ? moment.radius[row] : bounding_radius(shape);
+}
+
+std::optional<JointEnds> SceneShapes::ends_of(const SceneJoint& joint, const Moment& moment) {
+  const std::array body = {joint.a, joint.b};
+  JointEnds ends;
+  ends.anchor = {joint.joint.anchor_a, joint.joint.anchor_b};
+  for (std::size_t side = 0; side < 2; ++side) {
+    if (body[side] == kWorldSide) continue;
+    const std::size_t row = moment.row_of(body[side]);
+    if (row == moment.size()) return {};
+    ends.place[side] = {moment.x[row], moment.y[row]};
+    ends.anchor[side] = to_world(ends.anchor[side], ends.place[side], moment.angle[row]);
+    ends.moves[side] = moment.type[row] != BodyType::static_body;
+  }
+  const auto [from, to] = ends.anchor;
+  if (!std::isfinite(from.x + from.y + to.x + to.y)) return {};
+  return ends;
+}
+
 }  // namespace psim::cli

@@ -1,7 +1,5 @@
 #include "report/csv.h"
 
-#include <algorithm>
-
 #include "report/phases.h"
 
 namespace psim::cli {
@@ -48,8 +46,8 @@ void write_metrics_header(AtomicFile& file) {
   file.write("\n");
 }
 
-void write_metrics_row(AtomicFile& file, std::uint64_t frame, double total_ms, const StepReport& report, int substeps,
-                       const Diagnostics& diagnostics) {
+void write_metrics_row(AtomicFile& file, std::uint64_t frame, double total_ms, const StepReport& report,
+                       std::uint64_t substeps_saved, const Diagnostics& diagnostics) {
   file.write_number(frame);
   write_field(file, total_ms);
   for (const double ms : phase_ms(report)) write_field(file, ms);
@@ -65,8 +63,7 @@ void write_metrics_row(AtomicFile& file, std::uint64_t frame, double total_ms, c
   write_field(file, static_cast<std::uint64_t>(report.detail.substeps));
   write_field(file, static_cast<std::uint64_t>(report.detail.waits()));
   write_field(file, report.predicted_ms);
-  const int done = report.detail.waits() ? 0 : report.detail.substeps;
-  write_field(file, static_cast<std::uint64_t>(report.awake == 0 ? 0 : std::max(substeps - done, 0)));
+  write_field(file, substeps_saved);
   write_field(file, static_cast<std::uint64_t>(report.fast));
   write_field(file, static_cast<std::uint64_t>(report.stopped));
   for (std::size_t k = 0; k < kSkipNames.size(); ++k) {

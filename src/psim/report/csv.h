@@ -17,10 +17,10 @@ inline constexpr std::string_view kTrajectoryHeader = "frame,id,x,y,angle,vx,vy,
 /// kStateHeader and a row a body.
 void write_state(AtomicFile& file, const PublishedState& state);
 
-/// The columns are in docs/performance.md. `substeps`: of a frame done in full.
+/// The columns are in docs/performance.md.
 void write_metrics_header(AtomicFile& file);
-void write_metrics_row(AtomicFile& file, std::uint64_t frame, double total_ms, const StepReport& report, int substeps,
-                       const Diagnostics& diagnostics);
+void write_metrics_row(AtomicFile& file, std::uint64_t frame, double total_ms, const StepReport& report,
+                       std::uint64_t substeps_saved, const Diagnostics& diagnostics);
 
 /// kTrajectoryHeader, then a row a body every frame that is written.
 void write_trajectory_header(AtomicFile& file);

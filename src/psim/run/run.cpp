@@ -48,7 +48,8 @@ RunReport begin_report(const Options& options, const Scene& scene, const World& 
   return report;
 }
 
-void add_frame(RunReport& report, double total_ms, const StepReport& step, std::uint64_t frame) {
+// Returns the substeps that the governor saved in the frame.
+std::uint64_t add_frame(RunReport& report, double total_ms, const StepReport& step, std::uint64_t frame) {
   report.frame_ms.add(total_ms);
   if (total_ms > report.budget_ms) ++report.frames_over_budget;
   const auto phases = phase_ms(step);
@@ -59,6 +60,7 @@ void add_frame(RunReport& report, double total_ms, const StepReport& step, std::
   report.colours_sum += step.colours;
   report.neighbour_rebuilds += step.rebuilt ? 1 : 0;
   report.virial += step.virial;
+  const bool nobody_moved = report.bodies_awake == 0 && step.awake == 0;
   report.bodies_awake = step.awake;
   report.bodies_asleep = step.asleep;
   report.asleep_sum += static_cast<double>(step.asleep);
@@ -69,8 +71,10 @@ void add_frame(RunReport& report, double total_ms, const StepReport& step, std::
   report.fast_frames += step.fast != 0;
   report.fast_sum += step.fast;
   for (std::size_t k = 0; k < kSkipNames.size(); ++k) report.frames_skipped[k] += step.skipped >> k & 1;
+  if (step.quarantined > 0 && report.quarantined == 0) report.first_quarantine_frame = frame;
+  report.quarantined += step.quarantined;
+  if (nobody_moved) return 0;
   const int done = step.detail.waits() ? 0 : step.detail.substeps;
-  if (step.awake == 0) return;
   report.frames_waited += step.detail.waits();
   report.frames_few_sweeps += step.detail.sweeps != 0;
   ++report.frames_waiting;
@@ -79,9 +83,9 @@ void add_frame(RunReport& report, double total_ms, const StepReport& step, std::
     report.frames_waiting = 0;
   }
   report.frames_cut += done < report.substeps && !step.detail.waits();
-  report.substeps_saved += static_cast<std::uint64_t>(std::max(report.substeps - done, 0));
-  if (step.quarantined > 0 && report.quarantined == 0) report.first_quarantine_frame = frame;
-  report.quarantined += step.quarantined;
+  const auto saved = static_cast<std::uint64_t>(std::max(report.substeps - done, 0));
+  report.substeps_saved += saved;
+  return saved;
 }
 
 void end_report(RunReport& report, const World& world) {
@@ -128,10 +132,10 @@ void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64
     }
     const double total_ms = std::chrono::duration<double, std::milli>(end - begin).count();
 
-    add_frame(report, total_ms, step, frame);
+    const std::uint64_t saved = add_frame(report, total_ms, step, frame);
     if (files.governor_log) write_details_row(*files.governor_log, frame, step.detail);
     if (files.metrics) {
-      write_metrics_row(*files.metrics, frame, total_ms, step, report.substeps, world.diagnostics());
+      write_metrics_row(*files.metrics, frame, total_ms, step, saved, world.diagnostics());
     }
     if (files.trajectory && frame % every == 0) {
       write_trajectory_rows(*files.trajectory, frame, world.published());
