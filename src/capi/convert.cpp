@@ -137,12 +137,16 @@ std::string convert(const psim_medium& medium, Field& out) {
   const Bounds region = to_cpp(medium.region);
   switch (medium.type) {
     case PSIM_MEDIUM_WATER:
-      out = BuoyancyField{region, medium.density, medium.linear_damping, medium.angular_damping,
-                          to_cpp(medium.velocity), medium.mask};
+      out = BuoyancyField{
+          region, medium.density, medium.linear_damping, medium.angular_damping, to_cpp(medium.velocity), medium.mask};
       return {};
     case PSIM_MEDIUM_WIND:
-      out = WindField{to_cpp(medium.velocity), medium.density, medium.drag, medium.lift,
-                      medium.has_region != 0 ? std::optional(region) : std::nullopt, medium.mask};
+      out = WindField{to_cpp(medium.velocity),
+                      medium.density,
+                      medium.drag,
+                      medium.lift,
+                      medium.has_region != 0 ? std::optional(region) : std::nullopt,
+                      medium.mask};
       return {};
     default:
       return "medium type " + number(medium.type) + " is none of psim_medium_type, 0 or 1";
@@ -334,8 +338,8 @@ std::string convert(const psim_body_desc& desc, BodyDesc& out) {
 }
 
 psim_new_contact to_c(const NewContact& c) {
-  return {to_c(c.a),    to_c(c.b), c.part_a, c.part_b, to_c(c.point), to_c(c.normal), c.separation,
-          c.speed,      c.enabled, 0,        c.friction, c.restitution, c.tangent_speed, c.rolling_resistance};
+  return {to_c(c.a), to_c(c.b), c.part_a, c.part_b,   to_c(c.point), to_c(c.normal),  c.separation,
+          c.speed,   c.enabled, 0,        c.friction, c.restitution, c.tangent_speed, c.rolling_resistance};
 }
 
 void take_answer(const psim_new_contact& answer, NewContact& contact) {

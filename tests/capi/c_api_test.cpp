@@ -46,7 +46,7 @@ TEST(CApi, WrongStructSizesAreRefused) {
     EXPECT_EQ(c.world, nullptr);
   }
   EXPECT_STREQ(CWorld(desc).error,
-               "psim_world_create: desc has struct_size 184, this library knows 176: it is older "
+               "psim_world_create: desc has struct_size 200, this library knows 192: it is older "
                "than the header");
 }
 

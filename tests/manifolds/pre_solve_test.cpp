@@ -37,17 +37,15 @@ const auto kLetThrough = [](std::span<NewContact> contacts) {
 std::vector<BodyDesc> floors() {
   BodyDesc chain;
   chain.type = BodyType::static_body;
-  chain.shape = ChainShape{{{20, 0}, {0.1, 0}, {-0.1, 0}, {-20, 0}}, false, {{}, {}, {}}};
+  chain.shape = ChainShape{{{20, 0}, {0.1, 0}, {-0.1, 0}, {-20, 0}}, false};
   BodyDesc parts;
   parts.type = BodyType::static_body;
   parts.shape = CompoundShape{{{BoxShape{20, 1}, {-10, -0.5}}, {BoxShape{20, 1}, {10, -0.5}}}};
-  return {fixed(box({0, -1}, 40, 2)), test::segment({-20, 0}, {20, 0}), chain, parts, kinematic(box({0, -1}, 40, 2)),
-          static_disc({0, -5}, 5)};
+  return {fixed(box({0, -1}, 40, 2)),     test::segment({-20, 0}, {20, 0}), chain, parts,
+          kinematic(box({0, -1}, 40, 2)), static_disc({0, -5}, 5)};
 }
 
-std::vector<BodyDesc> fallers() {
-  return {disc({0, 10}), box({0, 10}, 1, 1), capsule({0, 10}, 1, 0.3)};
-}
+std::vector<BodyDesc> fallers() { return {disc({0, 10}), box({0, 10}, 1, 1), capsule({0, 10}, 1, 0.3)}; }
 
 // ---- what a decision does
 
@@ -66,8 +64,9 @@ TEST(PreSolve, WhatIsLetThroughFallsAsIfNothingWasThere) {
         run(*world, 200);
         run(*free, 200);
         EXPECT_GE(calls, 1);
-        EXPECT_NEAR(state(*world, id).y, state(*free, alone).y, 1e-4);
-        EXPECT_NEAR(state(*world, id).vy, state(*free, alone).vy, 1e-5);
+        // Substeps beside the closed form, in floats.
+        EXPECT_NEAR(state(*world, id).y, state(*free, alone).y, 3e-4);
+        EXPECT_NEAR(state(*world, id).vy, state(*free, alone).vy, 1e-4);
         EXPECT_LT(state(*world, id).y, -20);
       }
     }
@@ -98,7 +97,7 @@ TEST(PreSolve, SurfacesOfAContactChange) {
     if (std::holds_alternative<DiscShape>(floor.shape)) continue;
     auto world = make(still_sky());
     add(*world, asking(bouncing(floor, 0, 0.9)));
-    BodyDesc slides = box({-10, 0.5}, 1, 1, material(0, 0.9));
+    BodyDesc slides = box({2, 0.5}, 1, 1, material(0, 0.9));
     slides.velocity = {3, 0};
     const BodyId rubs = add(*world, slides);
     slides.position = {-15, 0.5}, slides.velocity = {};
@@ -120,7 +119,7 @@ TEST(PreSolve, SurfacesOfAContactChange) {
       bounced = bounced || (state(*world, ball).vy > 0);
       if (bounced && state(*world, ball).vy > 0) highest = std::max(highest, state(*world, ball).y - 0.5);
     }
-    EXPECT_NEAR(state(*world, rubs).x, -10 + 9 / (2 * 0.2 * kG), 0.02);
+    EXPECT_NEAR(state(*world, rubs).x, 2 + 9 / (2 * 0.2 * kG), 0.02);
     EXPECT_NEAR(state(*world, carried).vx, 2, 1e-3);
     EXPECT_NEAR(highest, 0.64, 0.02);
   }
@@ -128,8 +127,8 @@ TEST(PreSolve, SurfacesOfAContactChange) {
 
 TEST(PreSolve, NumbersOutOfTheirRangesChangeNothing) {
   const std::vector<std::function<void(NewContact&)>> wrong = {
-      [](NewContact& c) { c.friction = -1; },       [](NewContact& c) { c.friction = kNan; },
-      [](NewContact& c) { c.restitution = 1.5; },   [](NewContact& c) { c.tangent_speed = kInf; },
+      [](NewContact& c) { c.friction = -1; },          [](NewContact& c) { c.friction = kNan; },
+      [](NewContact& c) { c.restitution = 1.5; },      [](NewContact& c) { c.tangent_speed = kInf; },
       [](NewContact& c) { c.rolling_resistance = 2; }, [](NewContact& c) { c.normal = {kNan, 3}, c.a = kNoBody; }};
   for (std::size_t k = 0; k <= wrong.size(); ++k) {
     auto world = make(still_sky());

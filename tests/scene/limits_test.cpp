@@ -82,10 +82,22 @@ DragField& drag_of(Everything& e) {
   return std::get<DragField>(e.world.fields[0]);
 }
 
+BuoyancyField& water_of(Everything& e) {
+  if (e.world.fields.empty()) e.world.fields.push_back(BuoyancyField{{0, 0, 1, 1}});
+  return std::get<BuoyancyField>(e.world.fields[0]);
+}
+
+WindField& wind_of(Everything& e) {
+  if (e.world.fields.empty()) e.world.fields.push_back(WindField{});
+  return std::get<WindField>(e.world.fields[0]);
+}
+
 std::vector<Row> rows() {
   using namespace limits;
   using E = Everything;
   const std::string well = R"("type": "well", )", still = R"("position": [0, 0], "strength": 1, )";
+  const std::string water = R"("type": "buoyancy", "region": [0, 0, 1, 1], )",
+                    wind = R"("type": "wind", "velocity": [0, 0], )";
   const std::string turning = R"("type": "revolute", )", sliding = R"("type": "prismatic", )";
   return {world_row(R"("gravity": [#, 0])", kGravity,
                     [](E& e, double v) {
@@ -110,6 +122,22 @@ std::vector<Row> rows() {
           field_row(well + still + R"("range": #)", kWellLength, [](E& e, double v) { well_of(e).range = v; }),
           field_row(R"("type": "drag", "linear": #)", kDamping, [](E& e, double v) { drag_of(e).linear = v; }),
           field_row(R"("type": "drag", "quadratic": #)", kDamping, [](E& e, double v) { drag_of(e).quadratic = v; }),
+          field_row(water + R"("density": #)", kDensity, [](E& e, double v) { water_of(e).density = v; }),
+          field_row(water + R"("density": 1, "linear_damping": #)", kDamping,
+                    [](E& e, double v) { water_of(e).linear_damping = v; }),
+          field_row(water + R"("density": 1, "angular_damping": #)", kDamping,
+                    [](E& e, double v) { water_of(e).angular_damping = v; }),
+          field_row(water + R"("density": 1, "flow": [0, #])", kVelocity,
+                    [](E& e, double v) {
+                      water_of(e).flow = {0, v};
+                    }),
+          field_row(R"("type": "wind", "density": 1, "velocity": [#, 0])", kVelocity,
+                    [](E& e, double v) {
+                      wind_of(e).velocity = {v, 0};
+                    }),
+          field_row(wind + R"("density": #)", kDensity, [](E& e, double v) { wind_of(e).density = v; }),
+          field_row(wind + R"("density": 1, "drag": #)", kWindFactor, [](E& e, double v) { wind_of(e).drag = v; }),
+          field_row(wind + R"("density": 1, "lift": #)", kWindFactor, [](E& e, double v) { wind_of(e).lift = v; }),
           body_row(R"("angle": #)", kAngle, [](E& e, double v) { e.body.angle = v; }),
           body_row(R"("velocity": [#, 0])", kVelocity,
                    [](E& e, double v) {
@@ -253,6 +281,26 @@ std::vector<Row> rows() {
                     [](E& e, double v) {
                       e.joint.type = JointType::motor;
                       e.joint.force_limit = v;
+                    }),
+          joint_row(R"("type": "motor", "correction": #)", kCorrection,
+                    [](E& e, double v) {
+                      e.joint.type = JointType::motor;
+                      e.joint.correction = v;
+                    }),
+          joint_row(R"("type": "motor", "offset": [#, 0])", kCoordinate,
+                    [](E& e, double v) {
+                      e.joint.type = JointType::motor;
+                      e.joint.offset = {v, 0};
+                    }),
+          joint_row(R"("type": "weld", "linear_stiffness": #)", kStiffness,
+                    [](E& e, double v) {
+                      e.joint.type = JointType::weld;
+                      e.joint.linear_stiffness = v;
+                    }),
+          joint_row(R"("type": "weld", "linear_damping": #)", kJointDamping,
+                    [](E& e, double v) {
+                      e.joint.type = JointType::weld;
+                      e.joint.linear_damping = v;
                     }),
           joint_row(R"("type": "motor", "torque_limit": #)", kMotorLimit,
                     [](E& e, double v) {

@@ -55,9 +55,9 @@ TEST(Media, WhatFloatsDisplacesItsMass) {
                         {capsule({0, 1}, 3, 0.5), 500, 0}};
   for (const int substeps : {1, 4}) {
     for (const Case& c : cases) {
-      auto world = make(with({lake(1000, 2)}, {0, -kG}, substeps));
+      auto world = make(with({lake(1000, 10)}, {0, -kG}, substeps));
       const BodyId id = add(*world, dense(c.body, c.density));
-      run(*world, 1200);
+      run(*world, 3000);
       EXPECT_NEAR(state(*world, id).y, -c.depth, 0.004) << c.density;
       EXPECT_NEAR(state(*world, id).vy, 0, 1e-4);
       EXPECT_NEAR(std::remainder(state(*world, id).angle, kPi), 0, 1e-3);
@@ -102,7 +102,8 @@ TEST(Media, ABoxBobsWithItsPeriod) {
 
 // The metacentre of a box of the width b that floats by the draught d lies b^2 / (12 d) above the middle of the draught.
 TEST(Media, AWideBoxRightsItselfAndATallOneTips) {
-  for (const auto& [width, height] : {std::pair{2.0, 1.0}, std::pair{1.0, 2.0}, std::pair{1.0, 1.3}, std::pair{1.6, 1.0}}) {
+  for (const auto& [width, height] :
+       {std::pair{2.0, 1.0}, std::pair{1.0, 2.0}, std::pair{1.0, 1.3}, std::pair{1.6, 1.0}}) {
     const double draught = height / 2, lever = width * width / (12 * draught) - (height / 2 - draught / 2);
     auto world = make(with({lake(1000, 1)}));
     BodyDesc body = dense(box({0, 0}, width, height), 500);
@@ -189,8 +190,8 @@ TEST(Media, DragAndLiftOfARod) {
     world->step();
     const double facing = std::fabs(std::sin(angle)), width = 2 * facing, u2 = 100;
     const double along = 0.7 * 0.01 * width * u2 / 2, side = 1.5 * 0.01 * width * u2 / 2;
-    // The normal that faces the wind leans by the angle too: what is pushed to the side goes away from it.
-    const double lean = std::cos(angle) * (std::sin(angle) > 0 ? 1 : -1);
+    // The face that meets the wind looks up where the rod rises along the wind: it is pushed down.
+    const double lean = -std::cos(angle) * (std::sin(angle) > 0 ? 1 : -1);
     EXPECT_NEAR(state(*world, id).vx * 1000 * 2, along, 1e-3 * along + 1e-6) << angle;
     EXPECT_NEAR(state(*world, id).vy * 1000 * 2, side * lean, 1e-3 * side + 1e-6) << angle;
     EXPECT_NEAR(state(*world, id).omega, 0, 1e-6);
@@ -284,7 +285,8 @@ TEST(Media, BadNumbersAreRefused) {
 
 // ---- with all else
 
-std::uint64_t stormy(Isa isa, int threads, bool resumed, Integrator integrator = Integrator::verlet, bool well = false) {
+std::uint64_t stormy(Isa isa, int threads, bool resumed, Integrator integrator = Integrator::verlet,
+                     bool well = false) {
   WindField wind;
   wind.velocity = {8, 1};
   wind.density = 0.05;
@@ -331,15 +333,21 @@ TEST(Media, TheSameEverywhere) {
 TEST(Media, AWorldWithoutThemHasNoColumnsForThem) {
   auto world = make(with({}));
   for (int k = 0; k < 1000; ++k) add(*world, disc({k * 0.4 - 200, 5 + k % 7 * 1.1}));
+  const auto bytes = [&] {
+    for (const PlanEntry& entry : world->plan()) {
+      if (entry.stage == "forces") return entry.bytes;
+    }
+    return std::size_t{1};
+  };
   run(*world, 3);
-  const std::size_t before = world->memory_bytes();
+  EXPECT_EQ(bytes(), 0u);
   std::string error;
-  ASSERT_TRUE(world->set_fields({lake(1)}, error));
+  ASSERT_TRUE(world->set_fields({WindField{{5, 0}}}, error));
   run(*world, 3);
-  EXPECT_GT(world->memory_bytes(), before);
+  EXPECT_GT(bytes(), 1000 * 12u);
   ASSERT_TRUE(world->set_fields({}, error));
   run(*world, 3);
-  EXPECT_LE(world->memory_bytes(), before + before / 100);
+  EXPECT_EQ(bytes(), 0u);
 }
 
 }  // namespace

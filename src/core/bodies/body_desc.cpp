@@ -201,7 +201,8 @@ std::vector<PartProperties> properties_of_parts(const BodyDesc& d) {
   if (const auto* compound = std::get_if<CompoundShape>(&d.shape)) {
     for (const ShapePart& part : compound->parts) parts.push_back(part_properties(part, d));
   } else if (const std::vector<Material>* materials = materials_of(d.shape)) {
-    for (const Material& m : *materials) parts.push_back(properties_of_part(m, d.filter, d.sensor, d.one_way, d.pre_solve));
+    for (const Material& m : *materials)
+      parts.push_back(properties_of_part(m, d.filter, d.sensor, d.one_way, d.pre_solve));
   } else {
     parts.push_back(properties_of_part(d.material, d.filter, d.sensor, d.one_way, d.pre_solve));
   }

@@ -28,7 +28,8 @@ struct BodyCounts {
   std::uint64_t sensors = 0;         ///< bodies with a sensor
   std::uint64_t moving_sensors = 0;  ///< those of them that move
   std::uint64_t bullets = 0;
-  std::uint64_t special = 0;     ///< bodies with a surface that runs, resists rolling or is solid from one side, or that ask
+  std::uint64_t special =
+      0;  ///< bodies with a surface that runs, resists rolling or is solid from one side, or that ask
   std::uint64_t asking = 0;      ///< bodies whose new contacts the host is shown
   std::uint64_t restrained = 0;  ///< bodies with damping or locks of their own
   friend bool operator==(const BodyCounts&, const BodyCounts&) = default;

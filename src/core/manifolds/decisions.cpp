@@ -19,7 +19,8 @@ bool Decisions::see(const ContactName& name) {
 
 void Decisions::keep_seen(const BodyStore& bodies) {
   const auto sleeps = [&](std::uint32_t id) { return id != kNoSlot && bodies.info[id].place == Place::asleep; };
-  std::erase_if(list_, [&](Decision& d) { return !std::exchange(d.seen, false) && !sleeps(d.name.a) && !sleeps(d.name.b); });
+  std::erase_if(list_,
+                [&](Decision& d) { return !std::exchange(d.seen, false) && !sleeps(d.name.a) && !sleeps(d.name.b); });
 }
 
 void Decisions::add(std::span<const Decision> decided) {

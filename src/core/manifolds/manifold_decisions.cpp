@@ -58,7 +58,9 @@ NewContact Manifolds::shown(const ManifoldPair& pair, const ContactName& name) c
   const ManifoldPoint& p = m.point[k];
   const Vec2 normal{m.nx, m.ny}, arm_b{p.bx, p.by}, arm_a{p.ax, p.ay};
   const auto handle = [&](std::uint32_t id) { return id == kNoSlot ? kNoBody : BodyId{id, b.info[id].generation}; };
-  const auto speed_at = [&](std::uint32_t slot, Vec2 arm) { return b.velocity(slot) + b.omega_of(slot) * upright(arm); };
+  const auto speed_at = [&](std::uint32_t slot, Vec2 arm) {
+    return b.velocity(slot) + b.omega_of(slot) * upright(arm);
+  };
   Vec2 coming = speed_at(pair.b, arm_b);
   if (!pair.of_piece()) coming = coming - speed_at(pair.a, arm_a);
   const double sign = pair.id_b == name.b ? 1 : -1;
@@ -68,7 +70,9 @@ NewContact Manifolds::shown(const ManifoldPair& pair, const ContactName& name) c
   c.part_a = name.part_a;
   c.part_b = name.b == kNoSlot ? 0 : name.part_b;
   c.separation = pair.gap[k];
-  c.point = s_.lattice.to_world(b.point(pair.b)) + arm_b - (pair.ahead ? c.separation / 2 : 0) * normal;
+  // Of two moving bodies that are apart, the arms end where they will meet.
+  const bool ahead = pair.ahead && !pair.fixed_a;
+  c.point = s_.lattice.to_world(b.point(pair.b)) + arm_b - (ahead ? c.separation / 2 : 0) * normal;
   c.normal = sign * normal;
   c.speed = -dot(normal, coming);
   const Sides sides = sides_of(pair);

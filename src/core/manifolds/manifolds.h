@@ -125,11 +125,11 @@ struct ManifoldParams {
   double dt = 0;
   Vec2 gravity;
   Walls walls;
-  bool changed = false;    ///< the settings below changed since the last step
-  bool asleep = false;     ///< some body sleeps
-  bool locks = false;      ///< some body may be locked along an axis
-  bool surfaces = false;   ///< some surfaces run, resist rolling, are solid from one side or ask the host
-  bool asking = false;     ///< some ask the host
+  bool changed = false;                 ///< the settings below changed since the last step
+  bool asleep = false;                  ///< some body sleeps
+  bool locks = false;                   ///< some body may be locked along an axis
+  bool surfaces = false;                ///< some surfaces run, resist rolling, are solid from one side or ask the host
+  bool asking = false;                  ///< some ask the host
   const PreSolve* pre_solve = nullptr;  ///< whom they ask; empty if nobody answers
   Stiffness plain[4];      ///< contacts between moving bodies, with fixed ones, and the same under heavy loads
   Stiffness bouncing[2];   ///< contacts with restitution: between moving bodies, with fixed ones
@@ -227,7 +227,6 @@ class Manifolds {
   const Decisions& decisions() const { return decisions_; }
   /// A body goes.
   void forget_decisions(std::uint32_t id) { decisions_.forget(id); }
-
 
   /// Makes room for so many pairs.
   void spare(std::size_t pairs, std::size_t strips);

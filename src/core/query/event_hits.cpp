@@ -48,7 +48,8 @@ double impulse_of(const BodyStore& b, const Candidate& c) {
   const double alone = greater(lost / k11, 0);
   if (!c.two) return alone;
   const double other = c.other_speed + dot(c.normal, other_closing(b, c)), k12 = k(0, 1), k22 = k(1, 1);
-  const double det = k11 * k22 - k12 * k12, j1 = (k22 * lost - k12 * other) / det, j2 = (k11 * other - k12 * lost) / det;
+  const double det = k11 * k22 - k12 * k12, j1 = (k22 * lost - k12 * other) / det,
+               j2 = (k11 * other - k12 * lost) / det;
   return det > 1e-6 * k11 * k22 && j1 >= 0 && j2 >= 0 ? j1 + j2 : alone;
 }
 

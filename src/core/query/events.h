@@ -37,7 +37,7 @@ class HitList {
     bool two = false;
     Vec2 arm_a{}, arm_b{};   // m, from the centres
     double other_speed = 0;  // m/s, of approach; may be negative
-    Vec2 point{};                             // m
+    Vec2 point{};            // m
   };
 
   /// Notes the contacts whose bodies come near faster than least_speed, m/s, in a step of dt seconds.

@@ -22,13 +22,13 @@ namespace psim {
 /// What all flights of a step share.
 struct Airspace {
   const Contacts& contacts;
-  const JointStore* joints;                        ///< null if no joint keeps bodies from colliding
-  bool filters = false;                            ///< some bodies do not collide with others
-  double dt = 0;                                   ///< s
-  Vec2 gravity;                                    ///< m/s^2, where bodies have no accelerations of their own
-  double restitution_threshold = 0;                ///< m/s: slower impacts do not bounce
-  const Walls* walls = nullptr;                    ///< null if the world has none
-  bool surfaces = false;  ///< some surfaces run, resist rolling, are solid from one side or ask the host
+  const JointStore* joints;          ///< null if no joint keeps bodies from colliding
+  bool filters = false;              ///< some bodies do not collide with others
+  double dt = 0;                     ///< s
+  Vec2 gravity;                      ///< m/s^2, where bodies have no accelerations of their own
+  double restitution_threshold = 0;  ///< m/s: slower impacts do not bounce
+  const Walls* walls = nullptr;      ///< null if the world has none
+  bool surfaces = false;             ///< some surfaces run, resist rolling, are solid from one side or ask the host
   std::span<const std::uint32_t> kinematics = {};  ///< slots of the bodies that the host moves, discs and shapes
 };
 

@@ -10,9 +10,9 @@
 namespace psim {
 namespace {
 
-constexpr std::size_t kImmersedBodies = 512;      // a job
-constexpr double kRound = 0.98;           // cosine of the angle between two corners of a round outline
-constexpr std::size_t kMostCorners = 96;  // of an outline, and of what is left of it in a box
+constexpr std::size_t kImmersedBodies = 512;  // a job
+constexpr double kRound = 0.98;               // cosine of the angle between two corners of a round outline
+constexpr std::size_t kMostCorners = 96;      // of an outline, and of what is left of it in a box
 
 // The outline of a part in world axes, seen from the centre of mass of its body: a polygon, counter-clockwise.
 struct Corners {

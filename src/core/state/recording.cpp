@@ -19,7 +19,18 @@ constexpr std::tuple kCalls{&World::remove_body,   &World::set_transform,    &Wo
                             &World::apply_torque,  &World::explode};
 
 // What an entry of the log is: one of these, or behind them a call.
-enum Op : std::uint8_t { kStep, kHash, kAddBody, kAddDiscs, kAddJoint, kSetJoint, kSetFields, kSetBody, kDecide, kCallsBegin };
+enum Op : std::uint8_t {
+  kStep,
+  kHash,
+  kAddBody,
+  kAddDiscs,
+  kAddJoint,
+  kSetJoint,
+  kSetFields,
+  kSetBody,
+  kDecide,
+  kCallsBegin
+};
 constexpr std::uint8_t kOps = kCallsBegin + std::tuple_size_v<decltype(kCalls)>;
 
 struct RecordHeader : FileHeader {
@@ -59,7 +70,8 @@ static auto fields(BodyDesc& d) {
 static auto fields(Explosion& e) { return std::tie(e.position, e.radius, e.falloff, e.impulse_per_length, e.mask); }
 static auto fields(BodyTraits& t) {
   return std::tie(t.filter, t.restitution, t.friction, t.tangent_speed, t.rolling_resistance, t.one_way, t.sensor,
-                  t.bullet, t.mass, t.inertia, t.gravity_scale, t.linear_damping, t.angular_damping, t.locks, t.pre_solve, t.can_sleep);
+                  t.bullet, t.mass, t.inertia, t.gravity_scale, t.linear_damping, t.angular_damping, t.locks,
+                  t.pre_solve, t.can_sleep);
 }
 
 namespace recorded {
@@ -302,7 +314,7 @@ struct Replay::State {
   std::unique_ptr<World> world;
   std::optional<Loader> log;
   std::uint64_t steps = 0, in_all = 0, hashes = 0, differs = 0;
-  bool compared = false;  // the present state
+  bool compared = false;         // the present state
   std::vector<Answers> answers;  // in the next step
 
   template <class T>

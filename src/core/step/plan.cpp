@@ -28,7 +28,8 @@ Plan make_plan(const Traits& t) {
   p.forces = t.fields || p.scales;
   if (t.fields) p.integrator = t.integrator;
   const bool asking = t.moving != 0 && t.asking != 0;  // the host may want either of a contact
-  p.restitution = asking || t.moving_bounce != 0 || (t.moving != 0 && (t.fixed_bounce != 0 || (t.walls && t.wall_bounce)));
+  p.restitution =
+      asking || t.moving_bounce != 0 || (t.moving != 0 && (t.fixed_bounce != 0 || (t.walls && t.wall_bounce)));
   const bool ground_rough = t.fixed_rough != 0 || (t.walls && t.wall_rough);
   const auto rub = [&](std::uint64_t rough, std::uint64_t all) {
     if (t.one_rubs) return all != 0 && (rough != 0 || t.moving_rough != 0 || ground_rough);

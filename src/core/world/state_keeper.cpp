@@ -22,9 +22,9 @@ constexpr std::uint64_t last_of(Enum<ListMode>) { return static_cast<std::uint64
 static auto fields(Traits& t) {
   return std::tie(t.moving, t.discs, t.kinematic_discs, t.rough_discs, t.same_mass, t.same_radius, t.same_properties,
                   t.moving_bounce, t.moving_rough, t.kinematic, t.odd_gravity, t.fixed, t.fixed_bounce, t.fixed_rough,
-                  t.cornered, t.filtered, t.sensors, t.moving_sensors, t.bullets, t.special, t.asking, t.restrained, t.one_rubs,
-                  t.joints, t.exclusions, t.turning, t.walls, t.wall_bounce, t.wall_rough, t.wall_special, t.mass_ratio,
-                  t.gravity, t.fields, t.pushed, t.media, t.integrator, t.damping, t.events, t.sleeping);
+                  t.cornered, t.filtered, t.sensors, t.moving_sensors, t.bullets, t.special, t.asking, t.restrained,
+                  t.one_rubs, t.joints, t.exclusions, t.turning, t.walls, t.wall_bounce, t.wall_rough, t.wall_special,
+                  t.mass_ratio, t.gravity, t.fields, t.pushed, t.media, t.integrator, t.damping, t.events, t.sleeping);
 }
 static auto fields(Plan& p) {
   return std::tie(p.forces, p.fields, p.scales, p.integrator, p.friction, p.restitution, p.masses, p.uneven, p.loads,

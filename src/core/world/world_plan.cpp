@@ -121,7 +121,8 @@ std::vector<PlanEntry> World::plan() const try {
   };
   const BodyStore& b = w.bodies;
   const ContactStore& c = w.contacts.discs;
-  count("forces", sum(b.acc, b.pull, b.vel_remainder, b.spare) + (w.dynamics.forces ? sizeof(Forces) : 0));
+  count("forces", sum(b.acc, b.pull, b.vel_remainder, b.spare, w.dynamics.media) + bytes_of(w.dynamics.pushes) +
+                      (w.dynamics.forces ? sizeof(Forces) : 0));
   count("forces.integrator", sum(b.drift_correction, b.disp_remainder));
   count("restraints", w.population.restraints.bytes());
   count("broad_phase.mixed_radii", w.neighbours.broad.mover().radii_bytes());

@@ -178,7 +178,8 @@ std::size_t World::memory_bytes() const {
   const Owners& w = *impl_;
   return w.memory.bytes + w.population.bytes() + w.neighbours.bytes() + w.contacts.manifolds.bytes() +
          w.contacts.stacks.bytes() + w.contacts.squeezed.bytes() + w.joints.bytes() + w.dynamics.solver.bytes() +
-         w.sleep.sleepers.bytes() + w.observers.bytes() + w.unprepared.capacity() + sizeof(Owners);
+         w.dynamics.media.bytes() + bytes_of(w.dynamics.pushes) + w.sleep.sleepers.bytes() + w.observers.bytes() +
+         w.unprepared.capacity() + sizeof(Owners);
 }
 
 }  // namespace psim

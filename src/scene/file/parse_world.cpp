@@ -23,8 +23,8 @@ constexpr std::array<std::string_view, 6> kWellKeys = {"type",      "position", 
                                                        "softening", "exponent", "range"};
 constexpr std::array<std::string_view, 2> kMixingKeys = {"restitution", "friction"};
 constexpr std::array<std::string_view, 3> kDragKeys = {"type", "linear", "quadratic"};
-constexpr std::array<std::string_view, 7> kBuoyancyKeys = {"type",  "region", "density", "linear_damping", "angular_damping",
-                                                           "flow", "mask"};
+constexpr std::array<std::string_view, 7> kBuoyancyKeys = {
+    "type", "region", "density", "linear_damping", "angular_damping", "flow", "mask"};
 constexpr std::array<std::string_view, 7> kWindKeys = {"type", "velocity", "density", "drag", "lift", "region", "mask"};
 
 std::uint32_t mask_or_all(const Node& field) {
