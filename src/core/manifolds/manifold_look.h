@@ -9,6 +9,7 @@
 
 #include "base/elementary.h"
 #include "base/rotor.h"
+#include "contacts/contact_model.h"
 #include "contacts/edge_contact.h"
 #include "manifolds/collide_batch.h"
 #include "manifolds/manifolds.h"
@@ -283,7 +284,8 @@ struct Manifolds::Look {
   }
 
   // Makes the contact that lies ahead: where B will meet A if B moves by (mx, my) relative to A and turns on as it does.
-  // Normal and points are those of that moment, gaps those of now. There is no contact if they never meet.
+  // Normal and points are those of that moment, gaps those of now. There is no contact if they never meet. But joints may
+  // turn a body within the step: then the pair is open, and each substep looks whether they meet in it.
   void foresee(ManifoldPair& pair, const Hull& a, Rotor qa, const Hull& hull, Vec2 way, float mx, float my,
                float inner) const {
     const auto dx = static_cast<float>(way.x), dy = static_cast<float>(way.y);
@@ -320,6 +322,13 @@ struct Manifolds::Look {
           pair.impulse[k] = pair.friction[k] = 0;
         }
       }
+    }
+    if (m.count == 0 && manifolds.is_tied(pair)) {
+      m = now;
+      pair.landing = true;
+      std::fill_n(pair.gap, 2, kNoGap);
+      std::fill_n(pair.impulse, 2, 0.0f);
+      std::fill_n(pair.friction, 2, 0.0f);
     }
     pair.active = m.count != 0;
   }

@@ -95,7 +95,7 @@ struct Manifolds::Sorter {
 
   bool leaves(std::uint32_t i, std::uint32_t j) const {
     const int kinds = m.kind_[i] | m.kind_[j];
-    if (kinds == 0 && joined == nullptr) return false;
+    if ((kinds & ~kTied) == 0 && joined == nullptr) return false;
     if (!collide_at_all(i, j)) return true;
     return (kinds & kShape) != 0 && note(i, j);
   }
@@ -267,7 +267,7 @@ void Manifolds::begin_collect(const CollectSettings& settings, const PairTable& 
   for (std::size_t s = 0; s < strips; ++s) {
     const Strip& strip = table.strips[s];
     const std::span kinds(kind_.data() + strip.body_begin, kind_.data() + strip.body_end);
-    special_[s] = settings.surfaces || std::ranges::any_of(kinds, [](std::uint8_t kind) { return kind != kDisc; });
+    special_[s] = settings.surfaces || std::ranges::any_of(kinds, [](std::uint8_t kind) { return (kind & ~kTied) != kDisc; });
   }
 }
 

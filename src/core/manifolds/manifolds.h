@@ -195,6 +195,8 @@ class Manifolds {
   /// last two go over strips [begin, end) in order. `sorted`: slots changed. `recent` has the impulses of contacts
   /// whose sides fell asleep or woke. O(pairs).
   void begin_collect(const CollectSettings& settings, const PairTable& table, bool sorted);
+  /// The body of a slot has joints. After begin_collect().
+  void note_tied(std::size_t slot) { kind_[slot] |= kTied; }
   void sort_out(const Joined* joined, PairTable& table, std::size_t begin, std::size_t end);
   void keep(const TouchMemory& recent, std::size_t begin, std::size_t end);
 
@@ -331,7 +333,8 @@ class Manifolds {
  private:
   // The kind of the body in each slot, for fast tests: a plain disc, or a body to look up.
   // kParts: its parts differ.
-  static constexpr std::uint8_t kDisc = 0, kShape = 1, kFiltered = 2, kKinematic = 4, kSensor = 8, kParts = 16;
+  // kTied: it has joints.
+  static constexpr std::uint8_t kDisc = 0, kShape = 1, kFiltered = 2, kKinematic = 4, kSensor = 8, kParts = 16, kTied = 32;
 
   struct FoundPair : PairName {    // a pair that collect or a renewal found
     std::uint32_t before = kNone;  // its place among the pairs of the index
@@ -355,6 +358,9 @@ class Manifolds {
   struct Layout;  // manifold_layout.cpp
 
   bool asks(const PairName& pair) const;
+  bool is_tied(const PairName& pair) const {
+    return ((kind_[pair.b] | (pair.of_piece() ? 0 : kind_[pair.a])) & kTied) != 0;
+  }
   NewContact shown(const ManifoldPair& pair, const ContactName& name) const;
   void ask(const PreSolve& pre_solve);
   void check_pair(Archive& a, const ManifoldPair& pair, const ManifoldsAround& around) const;
