@@ -2,6 +2,7 @@
 //   Rays/<threads>          10,000 rays of up to 28 m by World::ray_cast_batch, wall time
 //   ShapeCast/<shape>       casts of up to 7 m; turning: by 2 rad on the way
 //   Mover                   moves of a character that runs to and fro over a terrain of 200 pieces
+//   Geometry/<function>     calls about a box, a capsule and a point, without a world
 // items_per_second: rays, casts or moves.
 #include <benchmark/benchmark.h>
 
@@ -9,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "psim/geometry.h"
 #include "psim/mover.h"
 #include "psim/scene.h"
 #include "workload.h"
@@ -87,6 +89,20 @@ void move_character(benchmark::State& state) {
   state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations()));
 }
 
+// ask(box, capsule, pose) for poses around the box.
+template <class Ask>
+void ask_geometry(const char* name, const Ask& ask) {
+  benchmark::RegisterBenchmark(name, [ask](benchmark::State& state) {
+    const Shape box = BoxShape{1, 0.4, 0}, capsule = CapsuleShape{{0, -0.5}, {0, 0.5}, 0.2};
+    int k = 0;
+    for (auto _ : state) {
+      k = (k + 1) % 1000;
+      const double angle = 0.37 * k;
+      benchmark::DoNotOptimize(ask(box, capsule, Pose{{-2 + 0.004 * k, 0.7}, angle}));
+    }
+  });
+}
+
 }  // namespace
 
 void register_queries() {
@@ -106,6 +122,20 @@ void register_queries() {
   cast("ShapeCast/box", BoxShape{1, 0.4, 0}, 0);
   cast("ShapeCast/box_turning", BoxShape{1, 0.4, 0}, 2);
   benchmark::RegisterBenchmark("Mover", move_character);
+  ask_geometry("Geometry/bounds", [](const Shape& a, const Shape&, const Pose& at) { return shape_bounds(a, at); });
+  ask_geometry("Geometry/holds", [](const Shape& a, const Shape&, const Pose& at) { return shape_holds(a, at, {}); });
+  ask_geometry("Geometry/ray", [](const Shape& a, const Shape&, const Pose& at) {
+    return shape_ray_cast(a, at, {-3, 0.2}, {3, 0.8});
+  });
+  ask_geometry("Geometry/distance",
+               [](const Shape& a, const Shape& b, const Pose& at) { return shape_distance(a, {}, b, at); });
+  const auto fall = [](const Shape& a, const Shape& b, const Pose& at, double rotation) {
+    const Pose above{{at.position.x, 5}, at.angle};
+    return shape_cast(a, {above, {0, -9}, rotation}, b, {{}, {1, 0}, -rotation});
+  };
+  ask_geometry("Geometry/cast", [fall](const Shape& a, const Shape& b, const Pose& at) { return fall(a, b, at, 0); });
+  ask_geometry("Geometry/cast_turning",
+               [fall](const Shape& a, const Shape& b, const Pose& at) { return fall(a, b, at, 2); });
 }
 
 }  // namespace psim::bench

@@ -34,6 +34,7 @@
 #include "psim/c/bodies.h"
 #include "psim/c/desc.h"
 #include "psim/c/draw.h"
+#include "psim/c/geometry.h"
 #include "psim/c/joints.h"
 #include "psim/c/mover.h"
 #include "psim/c/outline.h"

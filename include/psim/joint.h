@@ -94,6 +94,7 @@ struct JointState {
   double value = 0;
   Vec2 force = {};    ///< N on b, of the last substep
   double torque = 0;  ///< N m on b
+  double speed = 0;   ///< m/s or rad/s: how fast `value` grows
 };
 
 /// A joint was loaded with more than it bears, and is gone.

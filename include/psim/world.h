@@ -108,8 +108,17 @@ class PSIM_API World {
   std::optional<Vec2> centre_of_mass(BodyId id) const;
   /// m/s: of the point of the body that is at `point`, metres. Nothing if the id is stale.
   std::optional<Vec2> velocity_at(BodyId id, Vec2 point) const;
-  /// The smallest box about all its parts, metres. Nothing if the id is stale. O(its parts).
+  /// The smallest box about all its parts, metres; in a periodic world about the copies that are nearest to its place.
+  /// Nothing if the id is stale. O(its parts).
   std::optional<Bounds> bounds_of(BodyId id) const;
+  /// The parts of a body in its frame, with all that each has: as those of a CompoundShape they make such a body again.
+  /// `position` is the first point of a part, of a disc its centre, and `angle` is 0; boxes come as polygons. Lines of one
+  /// part end to end are a chain; of a chain whose segments have materials each is a part. `density`, of a dynamic body, is
+  /// its mass over its area, the same in each part. Numbers are as the engine has them: coordinates and materials in floats.
+  /// None if the id is stale. O(its parts).
+  std::vector<ShapePart> shapes_of(BodyId id) const;
+  /// The smallest box about one of them, metres. Nothing if there is none of this number. O(its parts).
+  std::optional<Bounds> bounds_of_part(BodyId id, std::size_t number) const;
   /// Sets the place, metres and radians; false if the id is stale or the body static or frozen. A non-finite value
   /// is accepted and quarantines the body in the next step; a disabled body refuses one, and those out of
   /// their ranges (psim/limits.h). In a world with walls a place beyond them

@@ -217,6 +217,40 @@ psim_result psim_world_bounds_of(const psim_world* world, psim_body_id id, psim_
   return tell(world, __func__, id, bounds, [&](const psim::World& w) { return w.bounds_of(to_cpp(id)); });
 }
 
+psim_result psim_world_shapes_of(psim_world* world, psim_body_id id, const psim_shape_part** parts, size_t* count) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (parts == nullptr || count == nullptr) {
+      return call.fail(PSIM_ERROR_ARGUMENT, "parts and count must not be NULL");
+    }
+    if (!w.is_valid(to_cpp(id))) return stale_body(call, id.index);
+    const std::vector<psim::ShapePart> told = w.shapes_of(to_cpp(id));
+    std::size_t corners = 0;
+    for (const psim::ShapePart& part : told) corners += vertex_count(part.shape);
+    world->parts.clear();
+    world->parts.reserve(told.size());
+    world->corners.resize(corners);
+    psim_vec2* next = world->corners.data();
+    for (const psim::ShapePart& part : told) {
+      world->parts.push_back(to_c(part, next));
+      next += vertex_count(part.shape);
+    }
+    *parts = world->parts.data();
+    *count = world->parts.size();
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_bounds_of_part(const psim_world* world, psim_body_id id, size_t number, psim_bounds* bounds) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (bounds == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "bounds must not be NULL");
+    if (!w.is_valid(to_cpp(id))) return stale_body(call, id.index);
+    const auto known = w.bounds_of_part(to_cpp(id), number);
+    if (!known) return PSIM_NOTHING;
+    *bounds = to_c(*known);
+    return PSIM_OK;
+  });
+}
+
 psim_result psim_world_set_body(psim_world* world, psim_body_id id, const psim_body_desc* desc) {
   return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
     psim_body_desc given;

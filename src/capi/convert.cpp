@@ -92,6 +92,73 @@ std::string convert(const psim_shape& shape, Shape& out) {
   }
 }
 
+namespace {
+
+struct ToC {
+  psim_vec2* corners;
+
+  const psim_vec2* copy(const std::vector<Vec2>& vertices) const {
+    std::transform(vertices.begin(), vertices.end(), corners, [](Vec2 v) { return psim::capi::to_c(v); });
+    return corners;
+  }
+
+  psim_shape operator()(const DiscShape& s) const { return psim_disc(s.radius); }
+  psim_shape operator()(const SegmentShape& s) const {
+    return psim_segment(psim::capi::to_c(s.p1), psim::capi::to_c(s.p2));
+  }
+  psim_shape operator()(const ChainShape& s) const {
+    return psim_chain(copy(s.vertices), s.vertices.size(), s.loop ? 1 : 0);
+  }
+  psim_shape operator()(const BoxShape& s) const {
+    psim_shape box = psim_box(s.width, s.height);
+    box.radius = s.radius;
+    return box;
+  }
+  psim_shape operator()(const PolygonShape& s) const {
+    psim_shape polygon = psim_polygon(copy(s.vertices), s.vertices.size());
+    polygon.radius = s.radius;
+    return polygon;
+  }
+  psim_shape operator()(const CapsuleShape& s) const {
+    return psim_capsule(psim::capi::to_c(s.p1), psim::capi::to_c(s.p2), s.radius);
+  }
+};
+
+template <class Value, class Out>
+void give(const std::optional<Value>& value, Out& out, std::int32_t& has) {
+  has = value.has_value();
+  if (!value) return;
+  if constexpr (std::is_arithmetic_v<Value>) {
+    out = *value;
+  } else {
+    out = to_c(*value);
+  }
+}
+
+}  // namespace
+
+std::size_t vertex_count(const PartShape& shape) {
+  if (const auto* polygon = std::get_if<PolygonShape>(&shape)) return polygon->vertices.size();
+  const auto* chain = std::get_if<ChainShape>(&shape);
+  return chain != nullptr ? chain->vertices.size() : 0;
+}
+
+psim_shape_part to_c(const ShapePart& part, psim_vec2* corners) {
+  psim_shape_part out{};
+  out.shape = std::visit(ToC{corners}, part.shape);
+  out.position = to_c(part.position);
+  out.angle = part.angle;
+  give(part.density, out.density, out.has_density);
+  give(part.restitution, out.restitution, out.has_restitution);
+  give(part.friction, out.friction, out.has_friction);
+  give(part.tangent_speed, out.tangent_speed, out.has_tangent_speed);
+  give(part.rolling_resistance, out.rolling_resistance, out.has_rolling_resistance);
+  give(part.filter, out.filter, out.has_filter);
+  give(part.sensor, out.sensor, out.has_sensor);
+  give(part.one_way, out.one_way, out.has_one_way);
+  return out;
+}
+
 std::string convert(const psim_field& field, Field& out) {
   if (field.reserved != 0) return kNotZero;
   switch (field.type) {

@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "psim/geometry.h"
 #include "psim/world.h"
 
 namespace psim::capi {
@@ -20,6 +21,8 @@ inline psim_body_id to_c(BodyId id) { return {id.index, id.generation}; }
 inline psim_joint_id to_c(JointId id) { return {id.index, id.generation}; }
 inline psim_material to_c(const Material& m) { return {m.density, m.restitution, m.friction}; }
 inline psim_filter to_c(const Filter& f) { return {f.category, f.mask, f.group}; }
+inline psim_shape_hit to_c(const ShapeHit& h) { return {to_c(h.point), to_c(h.normal), h.fraction}; }
+inline psim_shape_gap to_c(const ShapeGap& g) { return {g.distance, to_c(g.point_a), to_c(g.point_b), to_c(g.normal)}; }
 inline psim_ray_hit to_c(const RayHit& h) { return {to_c(h.body), to_c(h.point), to_c(h.normal), h.fraction}; }
 psim_cost_model to_c(const CostModel& m);
 psim_body_traits to_c(const BodyTraits& traits);
@@ -28,6 +31,10 @@ psim_new_contact to_c(const NewContact& contact);
 void take_answer(const psim_new_contact& answer, NewContact& contact);
 psim_joint_desc to_c(const JointDesc& desc);
 psim_field to_c(const Field& field);
+/// How many vertices a shape has that C points to.
+std::size_t vertex_count(const PartShape& shape);
+/// The vertices go to `corners`, to which the part points.
+psim_shape_part to_c(const ShapePart& part, psim_vec2* corners);
 
 inline Vec2 to_cpp(psim_vec2 v) { return {v.x, v.y}; }
 inline Bounds to_cpp(const psim_bounds& b) { return {b.xmin, b.ymin, b.xmax, b.ymax}; }
@@ -35,6 +42,8 @@ inline BodyId to_cpp(psim_body_id id) { return {id.index, id.generation}; }
 inline JointId to_cpp(psim_joint_id id) { return {id.index, id.generation}; }
 inline Material to_cpp(const psim_material& m) { return {m.density, m.restitution, m.friction, 0, 0}; }
 inline Filter to_cpp(const psim_filter& f) { return {f.category, f.mask, f.group}; }
+inline Pose to_cpp(const psim_pose& at) { return {to_cpp(at.position), at.angle}; }
+inline ShapeMove to_cpp(const psim_shape_move& m) { return {to_cpp(m.from), to_cpp(m.translation), m.rotation}; }
 CostModel to_cpp(const psim_cost_model& m);
 
 /// The enumerator of a number, or nothing.

@@ -46,6 +46,8 @@ struct psim_world {
   std::vector<psim_trace_event> trace;
   std::vector<psim_contact> contacts;
   std::vector<psim_contact_group> contact_groups;
+  std::vector<psim_shape_part> parts;
+  std::vector<psim_vec2> corners;  // of parts
   std::vector<std::byte> state, recording;
   std::unique_ptr<psim::Recorder> recorder;  // where a recording is under way
 

@@ -46,7 +46,8 @@ psim_result psim_world_joint(const psim_world* world, psim_joint_id id, psim_joi
     if (!s) return stale_joint(call, id.index);
     *state = {to_c(s->a), to_c(s->b),        static_cast<int32_t>(s->type),
               0,          to_c(s->anchor_a), to_c(s->anchor_b),
-              s->value,   to_c(s->force),    s->torque};
+              s->value,   to_c(s->force),    s->torque,
+              s->speed};
     return PSIM_OK;
   });
 }

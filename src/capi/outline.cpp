@@ -1,8 +1,6 @@
 // Outlines.
 #include "psim/outline.h"
 
-#include <algorithm>
-
 #include "convert.h"
 #include "handle.h"
 
@@ -10,20 +8,6 @@ using namespace psim::capi;
 
 static_assert(PSIM_MOST_OUTLINE_VERTICES == psim::kMostOutlineVertices);
 static_assert(PSIM_MOST_POLYGON_VERTICES == psim::kMostPolygonVertices);
-
-namespace {
-
-psim_shape_part polygon_part(const psim::ShapePart& part, psim_vec2* corners) {
-  const auto& polygon = std::get<psim::PolygonShape>(part.shape);
-  std::ranges::transform(polygon.vertices, corners, [](psim::Vec2 v) { return to_c(v); });
-  psim_shape_part out{};
-  out.shape = psim_polygon(corners, polygon.vertices.size());
-  out.shape.radius = polygon.radius;
-  out.position = to_c(part.position);
-  return out;
-}
-
-}  // namespace
 
 psim_result psim_cut_outline(const psim_vec2* vertices, size_t vertex_count, double radius, psim_shape_part* parts,
                              psim_vec2* corners, size_t capacity, size_t* count, char* error, size_t error_capacity) {
@@ -47,8 +31,7 @@ psim_result psim_cut_outline(const psim_vec2* vertices, size_t vertex_count, dou
       return call.fail(PSIM_ERROR_ARGUMENT,
                        "there is room for " + std::to_string(capacity) + " parts of " + std::to_string(cut.size()));
     }
-    for (std::size_t k = 0; k < cut.size(); ++k)
-      parts[k] = polygon_part(cut[k], corners + k * PSIM_MOST_POLYGON_VERTICES);
+    for (std::size_t k = 0; k < cut.size(); ++k) parts[k] = to_c(cut[k], corners + k * PSIM_MOST_POLYGON_VERTICES);
     return PSIM_OK;
   });
 }

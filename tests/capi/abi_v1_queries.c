@@ -1,4 +1,4 @@
-/* The layout of the structs of queries, events, movers and drawing, as abi_v1.c has that of the others. */
+/* The layout of the structs of queries, geometry, events, movers and drawing, as abi_v1.c has that of the others. */
 #include <psim.h>
 
 #define NAME_OF_LINE(line) pinned_##line
@@ -129,6 +129,22 @@ SIZE(psim_shape_cast_hit, 48);
   AT(psim_shape_cast_hit, point, 8);
   AT(psim_shape_cast_hit, normal, 24);
   AT(psim_shape_cast_hit, fraction, 40);
+SIZE(psim_pose, 24);
+  AT(psim_pose, position, 0);
+  AT(psim_pose, angle, 16);
+SIZE(psim_shape_move, 48);
+  AT(psim_shape_move, from, 0);
+  AT(psim_shape_move, translation, 24);
+  AT(psim_shape_move, rotation, 40);
+SIZE(psim_shape_hit, 40);
+  AT(psim_shape_hit, point, 0);
+  AT(psim_shape_hit, normal, 16);
+  AT(psim_shape_hit, fraction, 32);
+SIZE(psim_shape_gap, 56);
+  AT(psim_shape_gap, distance, 0);
+  AT(psim_shape_gap, point_a, 8);
+  AT(psim_shape_gap, point_b, 24);
+  AT(psim_shape_gap, normal, 40);
 SIZE(psim_near_hit, 56);
   AT(psim_near_hit, body, 0);
   AT(psim_near_hit, point, 8);

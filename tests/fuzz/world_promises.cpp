@@ -161,6 +161,38 @@ struct Looks : DebugDraw {
   void point(Vec2 at, DrawKind) override { check(finite(at)); }
 };
 
+// Of a body: its parts, which lie within its bounds, and what geometry says of them without the world.
+std::string part_fault(const World& world, BodyId id, const Bounds& box) {
+  const std::vector<ShapePart> parts = world.shapes_of(id);
+  if (!std::isfinite(box.xmin + box.xmax + box.ymin + box.ymax)) return {};
+  const double far =
+      1e-3 + 1e-6 * (std::fabs(box.xmax) + std::fabs(box.xmin) + std::fabs(box.ymax) + std::fabs(box.ymin));
+  const bool wraps = world.desc().boundary == Boundary::periodic;  // then a long chain goes around the world
+  for (std::size_t k = 0; k < parts.size() && k < 4; ++k) {
+    const auto one = world.bounds_of_part(id, k);
+    if (!one) return "bounds_of_part: of a part that is told";
+    const bool within = one->xmin >= box.xmin - far && one->xmax <= box.xmax + far && one->ymin >= box.ymin - far &&
+                        one->ymax <= box.ymax + far;
+    if (!within && !wraps) return "bounds_of_part: within the bounds of the body";
+    const Shape shape = CompoundShape{{parts[k]}};
+    const auto around = shape_bounds(shape);
+    if (!around) continue;  // so thin that its floats are no polygon
+    const Vec2 from{around->xmin - 1, around->ymin - 2}, to{around->xmax + 1, around->ymax + 2};
+    if (!limits::kCoordinate.contains(from) || !limits::kCoordinate.contains(to)) continue;
+    if (shape_holds(shape, {}, from)) return "shape_holds: a point beyond the bounds";
+    const auto hit = shape_ray_cast(shape, {}, from, to);
+    if (hit && !(finite(hit->point) && hit->fraction >= 0 && hit->fraction <= 1)) return "shape_ray_cast: a hit";
+    const DiscShape ball{0.5};
+    const auto gap = shape_distance(ball, {from, 0}, shape, {});
+    if (!gap || !finite(gap->point_a) || !finite(gap->point_b) || !(gap->distance > 0)) return "shape_distance: a gap";
+    const auto cast = shape_cast(ball, {{from, 0}, {to.x - from.x, to.y - from.y}}, shape, {{}, {}, 1});
+    if (cast && !(finite(cast->point) && cast->fraction >= 0 && cast->fraction <= 1)) return "shape_cast: a hit";
+    const Vec2 corners[] = {from, to, {to.x, from.y}, {from.x, to.y}, parts[k].position};
+    if (convex_hull(corners).size() < 3) return "convex_hull: of a box";
+  }
+  return {};
+}
+
 std::string look_fault(World& world) {
   Looks looks(world);
   DebugDrawOptions options;
@@ -181,6 +213,7 @@ std::string look_fault(World& world) {
     const auto centre = world.centre_of_mass(id);
     if (!box || !centre || !finite(*centre) || !world.velocity_at(id, *centre)) return "where a body is";
     if (!(box->xmin <= box->xmax) || !(box->ymin <= box->ymax)) return "bounds_of: a box";
+    if (const std::string fault = part_fault(world, id, *box); !fault.empty()) return fault;
     for (const JointId joint : world.joints_of(id)) {
       const auto state = world.joint(joint);
       if (!state || (state->a != id && state->b != id)) return "joints_of: a joint of another";

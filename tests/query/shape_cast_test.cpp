@@ -129,6 +129,11 @@ TEST(ShapeCast, MeetsWhatBruteForceMeets) {
       EXPECT_NEAR(std::hypot(hit->normal.x, hit->normal.y), 1, 1e-9);
       // The point lies on both, and the gap grows along the normal.
       EXPECT_NEAR(crowd.gap(DiscShape{1e-6}, hit->point, 0, k), 0, 2 * kFuzz) << "cast " << n;
+      double off = wraps ? 0 : 1e300;  // m: from the shape
+      for (const auto& mine : outlines(shape, at(end), angle + end * turn)) {
+        off = std::min(off, distance(mine, exact(hit->point)));
+      }
+      EXPECT_LT(off, 2 * kFuzz) << "cast " << n;
       const Vec2 away{at(end).x + 1e-3 * hit->normal.x, at(end).y + 1e-3 * hit->normal.y};
       EXPECT_GT(crowd.gap(shape, away, angle + end * turn, k), std::holds_alternative<CompoundShape>(shape) ? -1 : 0);
     }

@@ -76,6 +76,7 @@ struct Given {
   std::vector<double> x{1, 2, 3, 4}, y{30, 30, 30, 30}, r{0.5}, low_x{-6, -5, -3, 1}, low_y{0.5, 0.6, 0.5, 0.6};
   DiscBatch discs, fixed;
   Shape box = BoxShape{10, 10, 0};
+  ShapeMove fall{{{0, 5}, 0}, {0, -9}, 1};
   std::vector<Field> fields{WellField{{0, 5}, 3, 1}, DragField{0.1, 0.1}};
   std::vector<std::byte> state;
   std::vector<RayInput> rays = std::vector<RayInput>(300, RayInput{{-20, 0.4}, {20, 0.4}});

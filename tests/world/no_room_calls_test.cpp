@@ -164,6 +164,28 @@ const std::vector<Named>& calls() {
        [](World& w) {
          return w.nearby(given().box, {0, 0}, 0.1, 1, given().near) != 0;
        }},
+      {"shapes of a body", [](World& w) { return !w.shapes_of(nth(w, 0)).empty(); }},
+      {"bounds of a part", [](World& w) { return w.bounds_of_part(nth(w, kBar), 0).has_value(); }},
+      {"bounds of a shape", [](World&) { return shape_bounds(given().polygon.shape).has_value(); }},
+      {"point in a shape",
+       [](World&) {
+         return shape_holds(given().polygon.shape, {}, {0.5, 0.5});
+       }},
+      {"ray at a shape",
+       [](World&) {
+         return shape_ray_cast(given().polygon.shape, {}, {-5, 0.5}, {5, 0.5}).has_value();
+       }},
+      {"distance of two shapes",
+       [](World&) {
+         return shape_distance(given().polygon.shape, {}, given().terrain.shape, {{3, 9}, 1}).has_value();
+       }},
+      {"cast of two shapes",
+       [](World&) { return shape_cast(given().polygon.shape, given().fall, given().terrain.shape).has_value(); }},
+      {"convex hull",
+       [](World&) {
+         const Vec2 points[] = {{0, 0}, {1, 0}, {1, 1}, {0.5, 0.2}, {0, 1}, {0.5, 1}};
+         return convex_hull(points).size() == 4;
+       }},
       {"walk and push a sleeper",
        [](World& w) {
          MoverDesc desc;

@@ -97,6 +97,18 @@ PSIM_API psim_result psim_world_velocity_at(const psim_world* world, psim_body_i
 /// The smallest box about all parts of a body, metres. PSIM_ERROR_STALE_ID.
 PSIM_API psim_result psim_world_bounds_of(const psim_world* world, psim_body_id id, psim_bounds* bounds);
 
+/// The parts of a body in its frame, `*count` of them, with all that each has: as psim_body_desc::parts they make such a
+/// body again. `position` is the first point of a part, of a disc its centre, and `angle` is 0; boxes come as polygons.
+/// Lines of one part end to end are a chain; of a chain whose segments have surfaces each is a part. `density`, of a dynamic
+/// body, is its mass over its area. The parts and their vertices stay until the next call of this function. Not beside
+/// another call. PSIM_ERROR_STALE_ID.
+PSIM_API psim_result psim_world_shapes_of(psim_world* world, psim_body_id id, const psim_shape_part** parts,
+                                          size_t* count);
+
+/// The smallest box about one of them, metres. PSIM_ERROR_STALE_ID; PSIM_NOTHING if there is none of this number.
+PSIM_API psim_result psim_world_bounds_of_part(const psim_world* world, psim_body_id id, size_t number,
+                                               psim_bounds* bounds);
+
 /// Gives a body another description, as psim_world_add_body takes it: another type, shape or place, also of a static body.
 /// It keeps its handle and its joints. PSIM_ERROR_STALE_ID, PSIM_ERROR_ARGUMENT; nothing changes then.
 PSIM_API psim_result psim_world_set_body(psim_world* world, psim_body_id id, const psim_body_desc* desc);

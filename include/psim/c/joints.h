@@ -21,6 +21,7 @@ typedef struct psim_joint_state {
   double value;
   psim_vec2 force;  ///< N on b, of the last substep
   double torque;    ///< N m on b
+  double speed;     ///< m/s or rad/s: how fast `value` grows
 } psim_joint_state;
 
 /// Ties two bodies and puts the handle into `id` (may be NULL).

@@ -164,20 +164,25 @@ bool tidy_polygon(const Points& given, Points& p, std::string& error) {
   return true;
 }
 
+/// Whether a figure turns left at each of its `n` vertices, or is a line whose ends differ.
+template <class Vertex>
+bool is_sound(int n, const Vertex& vertex) {
+  for (int k = 0; n > 2 && k < n; ++k) {
+    const Vec2 from = vertex(k), edge = vertex((k + 1) % n) - from;
+    for (int other = k + 2; other < k + n; ++other) {  // the vertices that are no ends of edge k
+      if (!(cross(edge, vertex(other % n) - from) > 0)) return false;
+    }
+  }
+  return n != 2 || vertex(0) != vertex(1);
+}
+
 /// Makes the hull of these vertices about `origin`. Fails if floats cannot tell its vertices apart.
 bool make_hull(const Points& points, Vec2 origin, double radius, Hull& hull) {
   hull = {};
   hull.radius = static_cast<float>(radius);
   for (const Vec2 p : points) hull.set_vertex(hull.count++, p - origin);
   finish_hull(hull);
-  const int n = hull.count;
-  for (int k = 0; n > 2 && k < n; ++k) {
-    const Vec2 from = hull.vertex(k), edge = hull.vertex(hull.next(k)) - from;
-    for (int other = k + 2; other < k + n; ++other) {  // the vertices that are no ends of edge k
-      if (!(cross(edge, hull.vertex(other % n) - from) > 0)) return false;
-    }
-  }
-  return n != 2 || hull.x[0] != hull.x[1] || hull.y[0] != hull.y[1];
+  return is_sound(hull.count, [&](int k) { return hull.vertex(k); });
 }
 
 constexpr const char* kTooFar = "a shape this small is too far from the body's place for floats";
@@ -376,6 +381,22 @@ bool make_hulls(const Shape& shape, bool about_centre, HullSet& out, std::string
   if (make_hulls_of(figures, compound, about_centre ? out.mass.centre : Vec2{}, out)) return true;
   out = {};
   return fail(error, kTooFar);
+}
+
+bool make_outlines(const Shape& shape, std::vector<ConvexOutline>& out, std::string& error) {
+  out.clear();
+  error.clear();
+  Figures figures;
+  if (!std::visit(Maker{1, figures, error}, shape)) return false;
+  for (const Figures::Convex& figure : figures.list) {
+    ConvexOutline& outline = out.emplace_back();
+    outline.radius = figure.radius;
+    for (const Vec2 v : figure.points) outline.v[outline.count++] = v;
+    if (is_sound(outline.count, [&](int k) { return outline.v[k]; })) continue;
+    out.clear();
+    return fail(error, "a shape this small is too far from its origin");
+  }
+  return true;
 }
 
 bool is_line(const std::vector<Vec2>& points, std::string& error) {

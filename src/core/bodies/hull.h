@@ -1,7 +1,8 @@
 // Rounded convex shapes as the engine holds them: one, two or three to eight vertices about the
 // centre of mass, with a radius around all of it. A disc is one vertex, a capsule or a segment two.
 //
-// In: shapes of the public API. Out: hulls, mass and inertia, or one line of what is wrong.
+// In: shapes of the public API. Out: hulls, mass and inertia, or one line of what is wrong; the same shapes in double
+// precision as outlines.
 #pragma once
 
 #include <cstdint>
@@ -39,6 +40,14 @@ struct Hull {
   friend bool operator==(const Hull&, const Hull&) = default;
 };
 
+/// All points within `radius` of the convex core that the vertices span. There are one, two, or three to eight of them,
+/// counter-clockwise.
+struct ConvexOutline {
+  Vec2 v[Hull::kMost];  ///< m
+  std::int32_t count = 0;
+  double radius = 0;  ///< m
+};
+
 /// The mass of a shape per density, its centre of mass and its inertia.
 struct MassProperties {
   double area = 0;     ///< m^2 (m for segments): mass = density x area; denser parts count for more
@@ -67,6 +76,10 @@ inline Shape shape_of(const ShapePart& part) {
 /// that is not convex, has no area, is not finite or too large. `density`, kg/m^2, is that of parts that have none of
 /// their own.
 bool make_hulls(const Shape& shape, bool about_centre, HullSet& out, std::string& error, double density = 1);
+
+/// Makes the outlines of a shape in its own frame, of a chain one for each segment. Harmless faults are put right and
+/// others refused as by make_hulls.
+bool make_outlines(const Shape& shape, std::vector<ConvexOutline>& out, std::string& error);
 
 /// Whether the points of a segment or chain are near enough and their box is neither too small nor too large. If not, a
 /// line in `error`.

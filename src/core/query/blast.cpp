@@ -1,8 +1,8 @@
 #include "query/blast.h"
 
 #include "base/elementary.h"
+#include "geometry/convex.h"
 #include "query/query_grid.h"
-#include "query/query_shapes.h"
 
 namespace psim {
 namespace {

@@ -11,9 +11,9 @@
 #include <mutex>
 #include <vector>
 
+#include "geometry/convex.h"
 #include "query/observed.h"
 #include "query/query_grid.h"
-#include "query/query_shapes.h"
 
 namespace psim {
 

@@ -7,15 +7,13 @@
 #include "base/elementary.h"
 #include "base/rotor.h"
 #include "bodies/hull.h"
+#include "geometry/turning.h"
 #include "psim/limits.h"
 #include "query/queries.h"
 #include "query/question.h"
-#include "query/turning.h"
 
 namespace psim {
 namespace {
-
-constexpr double kMostRotation = 1000;  // rad
 
 // The hulls of a shape about its own origin; none if the shape is refused. Those of discs and capsules need no memory.
 class ShapeHulls {
@@ -63,7 +61,9 @@ class ShapeCast {
   }
 
   void follow(const Hull& hull) {
-    const bool turns = rotation_ != 0 && (hull.count > 1 || hull.vertex(0) != Vec2{});
+    const Outline own = outline_of(hull, {}, {});
+    const Turning turning{own, angle_, rotation_, {}, way_};
+    const bool turns = turning.turns();
     Outline mine = outline_of(hull, sine_cosine(angle_), {});
     // What turns does so about its origin; else the middle of the box is nearer to all of it.
     const Vec2 middle = turns ? Vec2{} : box_of(mine).middle();
@@ -72,7 +72,6 @@ class ShapeCast {
     for (int k = 0; k < mine.count; ++k) reach = greater(length_of(mine.v[k]), reach);
     reach += mine.radius;
     const Vec2 start = q_.place(from_ + middle);
-    const Turning turning{hull, angle_, rotation_, way_};
     q_.parts([&](const QueryIndex::Part& part) {
       const auto meet = [&](const QueryItem& item, Vec2 shift) {
         const Vec2 to = item.seen_from(start, shift);
@@ -82,7 +81,7 @@ class ShapeCast {
         const Outline other = QueryIndex::outline(q_.world, part, item, to);
         RayEntry e;
         if (turns) {
-          e = touch_turning(turning, other, limit_ / scale_);
+          e = touch_turning(turning, {other}, limit_ / scale_);
           e.at *= scale_;
         } else {
           e = enter(difference(mine, other), u_, limit_);

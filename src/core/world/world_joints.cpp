@@ -78,6 +78,56 @@ double sum_of_gear(const Owners& w, const Observed& seen, const JointDesc& gear)
   return way_of(seen, w.joints.desc(gear.joint_a)) + gear.ratio * way_of(seen, w.joints.desc(gear.joint_b));
 }
 
+// How a side moves at its anchor, which a body that does not take part in the steps does not.
+struct AnchorMotion {
+  Vec2 velocity;    // m/s
+  double spin = 0;  // rad/s
+};
+AnchorMotion motion_of(const Observed& seen, BodyId id, Vec2 anchor) {
+  if (is_world(id.index) || seen.bodies.info[id.index].place != Place::moving) return {};
+  const BodyState s = seen.state_of(id.index);
+  const bool about_place = s.type == BodyType::kinematic_body;
+  const Vec2 centre = about_place ? Vec2{} : arm_of(seen.bodies.kind(id.index), s.angle);
+  const Vec2 arm = turned(sine_cosine(s.angle), anchor) - centre;
+  return {Vec2{s.vx, s.vy} + s.omega * upright(arm), s.omega};
+}
+
+// m/s: how fast a way grows.
+double growth(Vec2 way, Vec2 velocity) {
+  const double length = length_of(way);
+  return length > 0 ? dot(way, velocity) / length : 0;
+}
+
+// How fast way_of() grows.
+double speed_of(const Observed& seen, const JointDesc& d) {
+  const AnchorMotion a = motion_of(seen, d.a, d.anchor_a), b = motion_of(seen, d.b, d.anchor_b);
+  switch (d.type) {
+    case JointType::revolute:
+    case JointType::weld:
+    case JointType::motor:
+      return b.spin - a.spin;
+    case JointType::prismatic:
+    case JointType::wheel: {
+      const Vec2 axis = turned(sine_cosine(side_of(seen, d.a).angle), d.axis);  // it turns with a
+      const double along = dot(b.velocity - a.velocity, axis) + a.spin * dot(way_between(seen, d), upright(axis));
+      return along / length_of(d.axis);
+    }
+    case JointType::target:
+      return growth(way_between(seen, kWorldBody, d.target, d.b, d.anchor_b), b.velocity);
+    case JointType::pulley:
+      return growth(way_between(seen, kWorldBody, d.ground_a, d.a, d.anchor_a), a.velocity) +
+             d.ratio * growth(way_between(seen, kWorldBody, d.ground_b, d.b, d.anchor_b), b.velocity);
+    case JointType::filter:
+    case JointType::gear:
+      return 0;
+    default:
+      return growth(way_between(seen, d), b.velocity - a.velocity);
+  }
+}
+double speed_of_gear(const Owners& w, const Observed& seen, const JointDesc& gear) {
+  return speed_of(seen, w.joints.desc(gear.joint_a)) + gear.ratio * speed_of(seen, w.joints.desc(gear.joint_b));
+}
+
 bool is_line(JointType type) {
   return type == JointType::distance || type == JointType::spring || type == JointType::rope;
 }
@@ -354,6 +404,7 @@ std::optional<JointState> World::joint(JointId id) const {
   s.anchor_a = d.type == JointType::target ? d.target : world_point(a, d.anchor_a);
   s.anchor_b = world_point(b, d.anchor_b);
   s.value = d.type == JointType::gear ? sum_of_gear(*impl_, seen, d) : way_of(seen, d);
+  s.speed = d.type == JointType::gear ? speed_of_gear(*impl_, seen, d) : speed_of(seen, d);
   impl_->joints.load_of(id, way_between(seen, d), turned(sine_cosine(a.angle), d.axis), s.force, s.torque);
   return s;
 }

@@ -1,8 +1,9 @@
-// Where the parts of a body are, and how fast its points move.
+// What the parts of a body are and where, and how fast its points move.
 #include <cmath>
 
 #include "base/elementary.h"
-#include "query/query_shapes.h"
+#include "geometry/convex.h"
+#include "query/body_parts.h"
 #include "world/world_impl.h"
 
 namespace psim {
@@ -13,45 +14,17 @@ Vec2 centre_of(const Observed& seen, const BodyState& s) {
   return Vec2{s.x, s.y} + arm_of(seen.bodies.kind(s.id.index), s.angle);
 }
 
-// A box that grows.
-struct Grown {
-  Bounds box{HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
-
-  void add(Vec2 at, double radius) {
-    box.xmin = lesser(box.xmin, at.x - radius), box.ymin = lesser(box.ymin, at.y - radius);
-    box.xmax = greater(box.xmax, at.x + radius), box.ymax = greater(box.ymax, at.y + radius);
-  }
-  void add(const Outline& outline) {
-    for (std::int32_t k = 0; k < outline.count; ++k) add(outline.v[k], outline.radius);
-  }
-};
-
-// The pieces of a static body: a run of numbers.
-struct Run {
-  std::uint32_t first = 0, end = 0;
-};
-Run pieces_of(const Observed& seen, std::uint32_t id) {
-  const BodyInfo& info = seen.bodies.info[id];
-  if (info.place == Place::disabled) {
-    const DisabledBody& body = seen.population.disabled[info.slot];
-    return {body.first_shape, body.first_shape + body.pieces};
-  }
-  const std::uint32_t first = seen.population.fixed[info.slot].first_shape;
-  std::uint32_t end = first;
-  while (end < seen.statics.size() && seen.statics[end].alive && seen.statics[end].owner == id) ++end;
-  return {first, end};
-}
-
-void add_pieces(const Observed& seen, std::uint32_t id, Grown& grown) {
-  const Run run = pieces_of(seen, id);
+// In a periodic world the copies that are nearest to its place.
+void add_pieces(const Observed& seen, const BodyState& body, Grown& grown) {
+  const PieceRun run = pieces_of(seen, body.id.index);
   for (std::uint32_t k = run.first; k < run.end; ++k) {
     const StaticShape& s = seen.statics[k];
-    const Vec2 p = seen.lattice.to_world(s.p);
+    const Vec2 p = Vec2{body.x, body.y} + way_from(seen, body, s.p);
     if (s.whole) {
       grown.add(outline_of(seen.statics.hull(s), {0, 1}, p));
     } else {
       grown.add(p, wide(s.radius));
-      if (s.segment) grown.add(seen.lattice.to_world(s.q), wide(s.radius));
+      if (s.segment) grown.add(p + seen.lattice.way(s.p, s.q), wide(s.radius));
     }
   }
 }
@@ -81,7 +54,7 @@ std::optional<Bounds> World::bounds_of(BodyId id) const {
   const BodyState s = seen.state_of(id.index);
   const BodyKind& kind = seen.bodies.kind(id.index);
   Grown grown;
-  if (s.type == BodyType::static_body) add_pieces(seen, id.index, grown);
+  if (s.type == BodyType::static_body) add_pieces(seen, s, grown);
   const Vec2 centre = centre_of(seen, s);
   const SineCosine turn = sine_cosine(std::isfinite(s.angle) ? s.angle : 0);
   for (std::uint32_t k = 0; k < kind.hull_count; ++k) {
@@ -90,6 +63,31 @@ std::optional<Bounds> World::bounds_of(BodyId id) const {
   if (s.type != BodyType::static_body && kind.hull_count == 0) grown.add(centre, s.radius);
   if (!(grown.box.xmin <= grown.box.xmax)) grown.add(centre, 0);  // a forged state may have bodies without pieces
   return grown.box;
+}
+
+std::vector<ShapePart> World::shapes_of(BodyId id) const try {
+  const FloatSettings settings;
+  if (!is_valid(id)) return {};
+  return parts_of(impl_->observed(), id.index);
+} catch (const std::bad_alloc&) {
+  return nothing_found<std::vector<ShapePart>>();
+}
+
+std::optional<Bounds> World::bounds_of_part(BodyId id, std::size_t number) const try {
+  const FloatSettings settings;
+  if (!is_valid(id)) return std::nullopt;
+  const Observed seen = impl_->observed();
+  const std::vector<ShapePart> parts = parts_of(seen, id.index);
+  if (number >= parts.size()) return std::nullopt;
+  const BodyState s = seen.state_of(id.index);
+  const SineCosine turn = sine_cosine(std::isfinite(s.angle) ? s.angle : 0);
+  Grown grown;
+  each_point(parts[number], [&](Vec2 point, double radius) {
+    grown.add(Vec2{s.x, s.y} + turned(turn, point), radius);
+  });
+  return grown.box;
+} catch (const std::bad_alloc&) {
+  return nothing_found<std::optional<Bounds>>();
 }
 
 }  // namespace psim

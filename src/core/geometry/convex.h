@@ -1,7 +1,8 @@
-// Convex outlines in double precision, relative to the place of a query: where a ray enters one, how far away it
+// Convex outlines in double precision, relative to the place of a question: where a ray enters one, how far away it
 // is, whether two overlap. Pure functions with the same bits everywhere.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 
 #include "base/rotor.h"
@@ -9,13 +10,7 @@
 
 namespace psim {
 
-/// All points within `radius` of the convex core that the vertices span. There are one, two, or three to eight of them,
-/// counter-clockwise.
-struct Outline {
-  Vec2 v[Hull::kMost];  ///< m
-  std::int32_t count = 0;
-  double radius = 0;  ///< m
-};
+using Outline = ConvexOutline;
 
 /// The difference of two outlines: all vectors from a point of `a` to a point of `b`. The outlines have a point in common
 /// where it holds the origin.
@@ -33,8 +28,18 @@ struct Box {
 };
 Box box_of(const Outline& outline);
 
+/// A box that grows around what it is given.
+struct Grown {
+  Bounds box{HUGE_VAL, HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+
+  void add(Vec2 at, double radius);
+  void add(const Outline& outline);
+};
+
 /// A hull, turned and moved to `at`.
 Outline outline_of(const Hull& hull, SineCosine turn, Vec2 at);
+/// An outline that is turned and moved to `at`.
+Outline outline_of(const Outline& outline, SineCosine turn, Vec2 at);
 
 /// Where a ray from the origin enters an outline.
 struct RayEntry {

@@ -1,4 +1,4 @@
-#include "query/query_shapes.h"
+#include "geometry/convex.h"
 
 #include <algorithm>
 #include <cmath>
@@ -49,18 +49,20 @@ std::optional<Vec2> to_core(const O& o) {
   return best;
 }
 
-// Of the points of a core that lie farthest along n: how far, and from where to where along t.
+// m: no vertex has a larger sum of coordinates.
+double size_of(const Outline& o) {
+  double size = 0;
+  for (int k = 0; k < o.count; ++k) size = greater(std::fabs(o.v[k].x) + std::fabs(o.v[k].y), size);
+  return size;
+}
+
+// Of the points of a core that lie farthest along n, to `same` metres: how far, and from where to where along t.
 struct Foot {
   double height = -1e300, from = 0, to = 0;  // m
 };
-Foot foot_of(const Outline& o, Vec2 n, Vec2 t) {
+Foot foot_of(const Outline& o, Vec2 n, Vec2 t, double same) {
   Foot foot;
-  double size = 0;
-  for (int k = 0; k < o.count; ++k) {
-    foot.height = greater(dot(n, o.v[k]), foot.height);
-    size = greater(std::fabs(o.v[k].x) + std::fabs(o.v[k].y), size);
-  }
-  const double same = 1e-9 * (1 + size);
+  for (int k = 0; k < o.count; ++k) foot.height = greater(dot(n, o.v[k]), foot.height);
   bool first = true;
   for (int k = 0; k < o.count; ++k) {
     if (dot(n, o.v[k]) < foot.height - same) continue;
@@ -70,6 +72,12 @@ Foot foot_of(const Outline& o, Vec2 n, Vec2 t) {
     first = false;
   }
   return foot;
+}
+
+// Whether two feet do not face each other, by more than rounding makes of it.
+bool lies_apart(const Foot& a, const Foot& b) {
+  const double from = greater(a.from, b.from), to = lesser(a.to, b.to);
+  return from > to + 1e-9 * (1 + std::fabs(from) + std::fabs(to));
 }
 
 bool cross_over(Vec2 p, Vec2 q, Vec2 r, Vec2 s) {
@@ -121,11 +129,26 @@ Box box_of(const Outline& o) {
   return box;
 }
 
+void Grown::add(Vec2 at, double radius) {
+  box.xmin = lesser(box.xmin, at.x - radius), box.ymin = lesser(box.ymin, at.y - radius);
+  box.xmax = greater(box.xmax, at.x + radius), box.ymax = greater(box.ymax, at.y + radius);
+}
+
+void Grown::add(const Outline& outline) {
+  for (std::int32_t k = 0; k < outline.count; ++k) add(outline.v[k], outline.radius);
+}
+
 Outline outline_of(const Hull& hull, SineCosine turn, Vec2 at) {
   Outline out;
   out.count = hull.count;
   out.radius = static_cast<double>(hull.radius);
   for (int k = 0; k < hull.count; ++k) out.v[k] = at + turned(turn, hull.vertex(k));
+  return out;
+}
+
+Outline outline_of(const Outline& outline, SineCosine turn, Vec2 at) {
+  Outline out = outline;
+  for (int k = 0; k < out.count; ++k) out.v[k] = at + turned(turn, out.v[k]);
   return out;
 }
 
@@ -205,7 +228,14 @@ Gap gap_between(const Outline& a, const Outline& b) {
 
 Vec2 nearest_point(const Outline& a, const Outline& b, Vec2 normal) {
   const Vec2 along = upright(normal);
-  const Foot mine = foot_of(b, normal, along), other = foot_of(a, -1 * normal, along);
+  const double size_a = size_of(a), size_b = size_of(b);
+  Foot mine = foot_of(b, normal, along, 1e-9 * (1 + size_b));
+  Foot other = foot_of(a, -1 * normal, along, 1e-9 * (1 + size_a));
+  if (lies_apart(mine, other)) {
+    // The normal of a gap of 1e-8 m is so rough that it may name the far ends of two sides that are parallel.
+    const double rough = 1e-8 * (1 + size_a) * (1 + size_b);
+    mine = foot_of(b, normal, along, rough), other = foot_of(a, -1 * normal, along, rough);
+  }
   const double from = greater(mine.from, other.from), to = lesser(mine.to, other.to);
   // Where the two do not face each other: the end of b towards a.
   const double at = from <= to ? from / 2 + to / 2 : std::clamp(other.from, mine.from, mine.to);
