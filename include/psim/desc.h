@@ -124,6 +124,7 @@ struct ShapePart {
   std::optional<double> rolling_resistance = {};  ///< 0..1, as in Material
   std::optional<Vec2> one_way = {};               ///< as in BodyDesc
   std::optional<bool> pre_solve = {};             ///< as in BodyDesc
+  std::uint64_t user_data = 0;                    ///< whatever the host likes: PartTraits::user_data
 };
 
 /// Several shapes that move as one. They may overlap: mass, centre of mass and inertia are the sums over the parts.
@@ -182,6 +183,21 @@ struct BodyTraits {
   bool can_sleep = true;          ///< as in BodyDesc
   /// All alike.
   friend bool operator==(const BodyTraits&, const BodyTraits&) = default;
+};
+
+/// What can be changed of a part of a body at any time (World::set_part_traits).
+struct PartTraits {
+  Filter filter = {};             ///< who it collides with
+  double restitution = 0;         ///< 0..1
+  double friction = 0;            ///< 0..1000
+  double tangent_speed = 0;       ///< m/s, as in Material
+  double rolling_resistance = 0;  ///< 0..1, as in Material
+  Vec2 one_way = {};              ///< as in BodyDesc
+  bool sensor = false;            ///< as in ShapePart; a static body does not change it
+  bool pre_solve = false;         ///< as in BodyDesc
+  std::uint64_t user_data = 0;    ///< whatever the host likes; of a body of one part, World::user_data
+  /// All alike.
+  friend bool operator==(const PartTraits&, const PartTraits&) = default;
 };
 
 /// Many discs that share everything but place, size and speed. Spans of length n, or empty for

@@ -47,6 +47,7 @@ class PSIM_API Recorder {
   bool set_fields(const std::vector<Field>& fields, std::string& error);
   bool set_enabled(BodyId id, bool on);
   bool set_traits(BodyId id, const BodyTraits& to);
+  bool set_part_traits(BodyId id, std::uint32_t part, const PartTraits& to);
   bool set_user_data(BodyId id, std::uint64_t value);
   bool set_gravity(Vec2 gravity);
   bool set_skin(double factor);

@@ -160,6 +160,14 @@ class PSIM_API World {
   /// The body and what it touches wake. False, and nothing changes, if the id is stale, the body frozen, a number out of
   /// its range (psim/limits.h), or a static body's sensor flag another one. O(1), and the lists are made anew.
   bool set_traits(BodyId id, const BodyTraits& to);
+  /// How many parts a body has: of a compound, segments of a chain with materials of its own, in a kinematic body each
+  /// segment; else 1. 0 if the id is stale.
+  std::uint32_t part_count(BodyId id) const;
+  /// What can be changed of a part; nothing if the id is stale or there is no such part.
+  std::optional<PartTraits> part_traits(BodyId id, std::uint32_t part) const;
+  /// Changes a part, as set_traits does all of them. False, and nothing changes, as set_traits; also of the sensors among
+  /// the parts of a static body.
+  bool set_part_traits(BodyId id, std::uint32_t part, const PartTraits& to);
   /// Gives a body another description, as add_body takes it: another type, shape or place, also of a static body. It
   /// keeps its handle and its joints, whose anchors stay where they are in its frame; a joint between two bodies that
   /// are not dynamic does nothing. What it touched and what it comes upon wakes. False and one line in `error`, and

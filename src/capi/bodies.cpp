@@ -13,6 +13,10 @@ psim_result stale_body(const Call& call, std::uint32_t index) {
   return call.fail(PSIM_ERROR_STALE_ID, "there is no body " + std::to_string(index) + " of this generation");
 }
 
+psim_result no_part(const Call& call, std::uint32_t body, std::uint32_t part) {
+  return call.fail(PSIM_ERROR_ARGUMENT, "body " + std::to_string(body) + " has no part " + std::to_string(part));
+}
+
 psim_result add(const Call& call, const psim_body_desc* desc, const std::string& who, psim_body_id* id) {
   psim_body_desc given;
   if (const psim_result r = read(call, "desc", desc, given); r != PSIM_OK) return r;
@@ -325,6 +329,34 @@ psim_result psim_world_set_traits(psim_world* world, psim_body_id id, const psim
     if (!w.is_valid(to_cpp(id))) return stale_body(call, id.index);
     if (world->changed([&](auto& of) { return of.set_traits(to_cpp(id), to); })) return PSIM_OK;
     return call.fail(PSIM_ERROR_ARGUMENT, "body " + std::to_string(id.index) + " cannot have these traits");
+  });
+}
+
+uint32_t psim_world_part_count(const psim_world* world, psim_body_id id) {
+  return asked(world, __func__, uint32_t{0}, [id](const psim::World& w) { return w.part_count(to_cpp(id)); });
+}
+
+psim_result psim_world_part_traits(const psim_world* world, psim_body_id id, uint32_t part, psim_part_traits* traits) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (const psim_result r = check_output(call, "traits", traits); r != PSIM_OK) return r;
+    if (!w.is_valid(to_cpp(id))) return stale_body(call, id.index);
+    const auto known = w.part_traits(to_cpp(id), part);
+    if (!known) return no_part(call, id.index, part);
+    write(to_c(*known), traits);
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_set_part_traits(psim_world* world, psim_body_id id, uint32_t part,
+                                       const psim_part_traits* traits) {
+  return guarded(world, __func__, [&](psim::World& w, const Call& call) -> psim_result {
+    psim_part_traits given;
+    if (const psim_result r = read(call, "traits", traits, given); r != PSIM_OK) return r;
+    if (!w.is_valid(to_cpp(id))) return stale_body(call, id.index);
+    if (part >= w.part_count(to_cpp(id))) return no_part(call, id.index, part);
+    if (world->changed([&](auto& of) { return of.set_part_traits(to_cpp(id), part, to_cpp(given)); })) return PSIM_OK;
+    const std::string which = "part " + std::to_string(part) + " of body " + std::to_string(id.index);
+    return call.fail(PSIM_ERROR_ARGUMENT, which + " cannot have these traits");
   });
 }
 

@@ -156,6 +156,8 @@ psim_shape_part to_c(const ShapePart& part, psim_vec2* corners) {
   give(part.filter, out.filter, out.has_filter);
   give(part.sensor, out.sensor, out.has_sensor);
   give(part.one_way, out.one_way, out.has_one_way);
+  out.has_pre_solve = part.pre_solve.has_value();
+  out.pre_solve = part.pre_solve.value_or(false);
   return out;
 }
 
@@ -402,6 +404,24 @@ std::string convert(const psim_body_desc& desc, BodyDesc& out) {
   out.angular_damping = desc.angular_damping;
   out.locks = {desc.lock_x != 0, desc.lock_y != 0, desc.lock_angle != 0};
   return {};
+}
+
+psim_part_traits to_c(const PartTraits& t) {
+  psim_part_traits out;
+  std::memset(&out, 0, sizeof out);
+  out.struct_size = sizeof out;
+  out.filter = to_c(t.filter);
+  out.surface = {t.restitution, t.friction, t.tangent_speed, t.rolling_resistance};
+  out.one_way = to_c(t.one_way);
+  out.sensor = t.sensor, out.pre_solve = t.pre_solve;
+  out.user_data = t.user_data;
+  return out;
+}
+
+PartTraits to_cpp(const psim_part_traits& t) {
+  const psim_surface& s = t.surface;
+  return {to_cpp(t.filter),  s.restitution, s.friction,       s.tangent_speed, s.rolling_resistance,
+          to_cpp(t.one_way), t.sensor != 0, t.pre_solve != 0, t.user_data};
 }
 
 psim_new_contact to_c(const NewContact& c) {

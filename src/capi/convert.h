@@ -26,6 +26,8 @@ inline psim_shape_gap to_c(const ShapeGap& g) { return {g.distance, to_c(g.point
 inline psim_ray_hit to_c(const RayHit& h) { return {to_c(h.body), to_c(h.point), to_c(h.normal), h.fraction}; }
 psim_cost_model to_c(const CostModel& m);
 psim_body_traits to_c(const BodyTraits& traits);
+psim_part_traits to_c(const PartTraits& traits);
+PartTraits to_cpp(const psim_part_traits& traits);
 psim_new_contact to_c(const NewContact& contact);
 /// What the caller made of a contact.
 void take_answer(const psim_new_contact& answer, NewContact& contact);

@@ -62,6 +62,8 @@ void set_defaults(psim_body_desc& d) {
 
 void set_defaults(psim_body_traits& d) { d = zeros<psim_body_traits>(); }
 
+void set_defaults(psim_part_traits& d) { d = zeros<psim_part_traits>(); }
+
 void set_defaults(psim_disc_batch& d) {
   const DiscBatch from;
   d = zeros<psim_disc_batch>();
@@ -173,7 +175,7 @@ std::string wrong_size(const char* what, std::uint32_t size, std::size_t known) 
 using namespace psim::capi;
 
 void psim_init(void* object, int32_t kind, uint32_t size) {
-  if (object == nullptr || size < 8 || kind < PSIM_STRUCT_WORLD_DESC || kind > PSIM_STRUCT_DEBUG_DRAW) {
+  if (object == nullptr || size < 8 || kind < PSIM_STRUCT_WORLD_DESC || kind > PSIM_STRUCT_PART_TRAITS) {
     return;
   }
   std::memset(object, 0, size);
@@ -195,6 +197,9 @@ void psim_init(void* object, int32_t kind, uint32_t size) {
       break;
     case PSIM_STRUCT_QUERY_FILTER:
       fill<psim_query_filter>(object, size);
+      break;
+    case PSIM_STRUCT_PART_TRAITS:
+      fill<psim_part_traits>(object, size);
       break;
     case PSIM_STRUCT_DEBUG_DRAW:
       fill<psim_debug_draw>(object, size);

@@ -16,6 +16,7 @@ void set_defaults(psim_world_desc& d);
 void set_defaults(psim_run_options& d);
 void set_defaults(psim_body_desc& d);
 void set_defaults(psim_body_traits& d);
+void set_defaults(psim_part_traits& d);
 void set_defaults(psim_disc_batch& d);
 void set_defaults(psim_joint_desc& d);
 void set_defaults(psim_query_filter& d);

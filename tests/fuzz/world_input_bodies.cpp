@@ -201,6 +201,31 @@ void Session::change_body(BodyId id, Vec2 place) {
     }
   }
   if (own.chance(24)) {
+    const auto parts = same<std::uint32_t>("part_count", [&](World& w) { return w.part_count(id); });
+    require((parts != 0) == is_live(id), "part_count: of the living");
+    const std::uint32_t part = own.byte() % (parts + 1);
+    const auto has = worlds_.front()->part_traits(id, part);
+    require(has.has_value() == (part < parts), "part_traits of a part");
+    PartTraits to = has.value_or(PartTraits{});
+    if (own.chance(128)) to.friction = own.uniform(0, 2);
+    if (own.chance(64)) to.restitution = own.uniform(0, 1);
+    if (own.chance(32)) to.filter.mask = own.byte();
+    if (own.chance(32)) to.sensor = own.chance(128);
+    if (own.chance(32)) to.one_way = {own.uniform(-1, 1), own.uniform(-1, 1)};
+    if (own.chance(32)) to.pre_solve = own.chance(128);
+    if (own.chance(64)) to.user_data = own.byte();
+    const bool wrong = own.chance(8);
+    if (wrong) to.rolling_resistance = -1;
+    say("part %u of %u", part, id.index);
+    const bool done = change<bool>("set_part_traits", [&](auto& w) { return w.set_part_traits(id, part, to); });
+    require(!done || (part < parts && !wrong), "set_part_traits: no part, or no number");
+    if (done) {
+      const auto now = worlds_.front()->part_traits(id, part);
+      require(now && now->user_data == to.user_data && now->filter == to.filter, "set_part_traits does so");
+      require(std::fabs(now->friction - to.friction) <= 1e-6 && now->sensor == to.sensor, "set_part_traits does so");
+    }
+  }
+  if (own.chance(24)) {
     const std::uint64_t value = own.byte();
     const bool done = change<bool>("set_user_data", [&](auto& w) { return w.set_user_data(id, value); });
     require(done == is_live(id), "set_user_data: true for the living");

@@ -48,6 +48,13 @@ bool change(World& w, std::uint32_t index) {
   return w.set_traits(nth(w, index), t);
 }
 
+bool change_part(World& w, std::uint32_t index) {
+  PartTraits t = *w.part_traits(nth(w, index), 0);
+  t.friction = 0.75;
+  t.pre_solve = true;
+  return w.set_part_traits(nth(w, index), 0, t);
+}
+
 const std::vector<Named>& calls() {
   static std::string error;
   static std::uint32_t first = 0;
@@ -55,6 +62,8 @@ const std::vector<Named>& calls() {
     return [which](World& w) { return w.add_body(given().*which, error) != kNoBody; };
   };
   static const std::vector<Named> all{
+      {"change a part", [](World& w) { return change_part(w, 3); }},
+      {"change a static part", [](World& w) { return change_part(w, 0); }},
       {"add a disc", add(&Given::disc)},
       {"add a disc on a sleeper", add(&Given::above)},
       {"add a polygon", add(&Given::polygon)},

@@ -130,6 +130,20 @@ PSIM_API psim_result psim_world_traits(const psim_world* world, psim_body_id id,
 /// its range, or a static body's sensor flag another one: then nothing changes.
 PSIM_API psim_result psim_world_set_traits(psim_world* world, psim_body_id id, const psim_body_traits* traits);
 
+/// How many parts a body has: of several shapes, segments of a chain with surfaces of its own, in a kinematic body each
+/// segment; else 1. 0 if it is unknown.
+PSIM_API uint32_t psim_world_part_count(const psim_world* world, psim_body_id id);
+
+/// Fills in what psim_world_set_part_traits can change of a part. PSIM_ERROR_STALE_ID if the body is gone,
+/// PSIM_ERROR_ARGUMENT if it has no such part.
+PSIM_API psim_result psim_world_part_traits(const psim_world* world, psim_body_id id, uint32_t part,
+                                            psim_part_traits* traits);
+
+/// Changes a part, as psim_world_set_traits does all of them. PSIM_ERROR_STALE_ID; PSIM_ERROR_ARGUMENT as there, and of the
+/// sensors among the parts of a static body: then nothing changes.
+PSIM_API psim_result psim_world_set_part_traits(psim_world* world, psim_body_id id, uint32_t part,
+                                                const psim_part_traits* traits);
+
 /// 64 bits that the caller keeps with a body; 0 of one that has none, or is not there.
 PSIM_API uint64_t psim_world_user_data(const psim_world* world, psim_body_id id);
 

@@ -107,6 +107,17 @@ typedef struct psim_body_traits {
   int32_t reserved_2;      ///< 0
 } psim_body_traits;
 
+/// psim_world_part_traits reads these of a part of a body, and psim_world_set_part_traits changes them at any time.
+typedef struct psim_part_traits {
+  uint32_t struct_size;  ///< set by psim_part_traits_init
+  psim_filter filter;    ///< who it collides with
+  psim_surface surface;  ///< how it bounces and rubs
+  psim_vec2 one_way;     ///< as in psim_body_desc
+  int32_t sensor;        ///< flag: as in psim_shape_part; a static body does not change it
+  int32_t pre_solve;     ///< flag: as in psim_body_desc
+  uint64_t user_data;    ///< whatever the caller likes; of a body of one part, psim_world_user_data
+} psim_part_traits;
+
 /// Many discs that share everything but place, size and speed. Columns of `count` numbers; one whose
 /// data is NULL stands for zeros.
 typedef struct psim_disc_batch {
@@ -313,7 +324,8 @@ enum psim_struct {
   PSIM_STRUCT_BODY_TRAITS = 16,   ///< psim_body_traits
   PSIM_STRUCT_MOVER_DESC = 17,    ///< psim_mover_desc
   PSIM_STRUCT_MOVER_STATE = 18,   ///< psim_mover_state
-  PSIM_STRUCT_DEBUG_DRAW = 19     ///< psim_debug_draw
+  PSIM_STRUCT_DEBUG_DRAW = 19,    ///< psim_debug_draw
+  PSIM_STRUCT_PART_TRAITS = 20    ///< psim_part_traits
 };
 
 /// Fills `size` bytes with the defaults of a struct and sets its struct_size to `size`: what the
@@ -374,6 +386,11 @@ static inline void psim_job_system_init(psim_job_system* jobs) {
 /// Sets all to zero: psim_world_traits fills it.
 static inline void psim_body_traits_init(psim_body_traits* traits) {
   psim_init(traits, PSIM_STRUCT_BODY_TRAITS, (uint32_t)sizeof *traits);
+}
+
+/// Sets the defaults.
+static inline void psim_part_traits_init(psim_part_traits* traits) {
+  psim_init(traits, PSIM_STRUCT_PART_TRAITS, (uint32_t)sizeof *traits);
 }
 
 /// (x, y).

@@ -78,7 +78,7 @@ void share_properties(std::vector<PartProperties> parts, NewBody& body) {
   body.kind.sensor = alike(&PartProperties::sensor) && parts[0].sensor != 0;
   body.kind.one_way = std::ranges::any_of(parts, &PartProperties::is_one_way);
   body.own.clear();
-  if (!alike(std::identity{}) || parts[0].is_special()) body.own = std::move(parts);
+  if (!alike(std::identity{}) || parts[0].is_special() || parts[0].user_data() != 0) body.own = std::move(parts);
 }
 
 std::string check(const BodyDesc& d, const Bounds& bounds) {
@@ -116,6 +116,13 @@ std::string check(const BodyTraits& t, BodyType type) {
   check("mass", t.mass, limits::kMass)("gravity scale", t.gravity_scale, limits::kGravityScale);
   if (t.inertia != 0) check("inertia", t.inertia, limits::kInertia);
   check("linear damping", t.linear_damping, limits::kDamping)("angular damping", t.angular_damping, limits::kDamping);
+  return check.error;
+}
+
+std::string check(const PartTraits& t) {
+  RangeCheck check;
+  check_material({1, t.restitution, t.friction, t.tangent_speed, t.rolling_resistance}, check);
+  check_one_way(t.one_way, check);
   return check.error;
 }
 
@@ -170,11 +177,13 @@ PartProperties properties_of_part(const Material& material, const Filter& filter
 
 PartProperties part_properties(const ShapePart& part, const BodyDesc& body) {
   const Material& of = body.material;
-  return properties_of_part(
+  PartProperties has = properties_of_part(
       {of.density, part.restitution.value_or(of.restitution), part.friction.value_or(of.friction),
        part.tangent_speed.value_or(of.tangent_speed), part.rolling_resistance.value_or(of.rolling_resistance)},
       part.filter.value_or(body.filter), part.sensor.value_or(body.sensor), part.one_way.value_or(body.one_way),
       part.pre_solve.value_or(body.pre_solve));
+  has.set_user_data(part.user_data);
+  return has;
 }
 
 namespace {
@@ -200,6 +209,7 @@ std::vector<PartProperties> properties_of_parts(const BodyDesc& d) {
   std::vector<PartProperties> parts;
   if (const auto* compound = std::get_if<CompoundShape>(&d.shape)) {
     for (const ShapePart& part : compound->parts) parts.push_back(part_properties(part, d));
+    if (parts.size() == 1) parts[0].set_user_data(0);  // it is the body's
   } else if (const std::vector<Material>* materials = materials_of(d.shape)) {
     for (const Material& m : *materials)
       parts.push_back(properties_of_part(m, d.filter, d.sensor, d.one_way, d.pre_solve));

@@ -21,11 +21,15 @@ inline bool finite(Vec2 v) { return finite(v.x) && finite(v.y); }
 /// hulls are made (make_hulls).
 std::string check(const BodyDesc& desc, const Bounds& bounds);
 std::string check(const BodyTraits& traits, BodyType type);
+std::string check(const PartTraits& traits);
 std::string check(const DiscBatch& batch, const Bounds& bounds);
 
 /// One disc of a batch.
 BodyDesc disc_of(const DiscBatch& batch, std::size_t i);
 
+/// What a part has that is made of this.
+PartProperties properties_of_part(const Material& material, const Filter& filter, bool sensor, Vec2 one_way,
+                                  bool pre_solve);
 /// Returns what a part of a compound has: its own, and what the body has where it has none.
 PartProperties part_properties(const ShapePart& part, const BodyDesc& body);
 

@@ -69,6 +69,12 @@ struct PartProperties {
   std::uint16_t pre_solve = 0;  ///< a flag: the host is shown its new contacts
   float one_way_x = 0,
         one_way_y = 0;  ///< of length 1, or 0: solid from all sides; static: in world axes, else the body's
+  std::uint32_t user_low = 0, user_high = 0;  ///< 64 bits of the host, of a body of several parts
+  std::uint64_t user_data() const { return std::uint64_t{user_high} << 32 | user_low; }
+  void set_user_data(std::uint64_t value) {
+    user_low = static_cast<std::uint32_t>(value);
+    user_high = static_cast<std::uint32_t>(value >> 32);
+  }
   bool is_one_way() const { return one_way_x != 0 || one_way_y != 0; }
   /// Whether discs alone cannot have contacts with it.
   bool is_special() const {

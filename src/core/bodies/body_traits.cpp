@@ -122,13 +122,14 @@ void Population::recount_if_changed() {
 }
 
 // What a body becomes.
-NewBody Population::changed_body(std::uint32_t id, const BodyTraits& from, const BodyTraits& to) const {
+NewBody Population::changed_body(std::uint32_t id, const BodyTraits& from, const BodyTraits& to,
+                                 std::vector<PartProperties> parts) const {
   const BodyProperties& old = bodies.properties(id);
   const BodyKind& old_kind = bodies.kinds[old.kind];
   const BodyType type = old.type();
   NewBody body{old, old_kind, {}, {}};
   for (std::uint32_t k = 0; k < old_kind.hull_count; ++k) body.hulls.push_back(bodies.hulls[old_kind.first_hull + k]);
-  share_properties(changed_parts(id, from, to), body);
+  share_properties(std::move(parts), body);
   body.kind.bullet = to.bullet && type != BodyType::static_body;
   body.kind.sleepless = !to.can_sleep && type == BodyType::dynamic_body;
   if (type == BodyType::dynamic_body) {
@@ -157,13 +158,54 @@ NewBody Population::changed_body(std::uint32_t id, const BodyTraits& from, const
 
 bool Population::set_traits(std::uint32_t id, const BodyTraits& to) {
   const BodyTraits from = traits_of(id);
+  if (bodies.properties(id).type() == BodyType::static_body && to.sensor != from.sensor) return false;
+  return become(id, to, changed_body(id, from, to, changed_parts(id, from, to)));
+}
+
+// The hulls of static bodies are those of sensors and stand behind the parts.
+std::uint32_t Population::told_parts(std::uint32_t id) const {
+  const bool fixed = bodies.properties(id).type() == BodyType::static_body;
+  return part_count(id) - (fixed && bodies.kind(id).first_part != 0 ? bodies.kind(id).hull_count : 0);
+}
+
+PartTraits Population::part_traits_of(std::uint32_t id, std::uint32_t part) const {
+  const BodyProperties& of = bodies.properties(id);
+  PartProperties has = bodies.part_of(of, part);
+  if (of.type() == BodyType::static_body) turn_one_way({&has, 1}, -state_of(id).angle);
+  const bool alone = told_parts(id) == 1;
+  return {has.filter,
+          has.surface.restitution,
+          has.surface.friction,
+          has.surface.tangent_speed,
+          has.surface.rolling_resistance,
+          {has.one_way_x, has.one_way_y},
+          has.sensor != 0,
+          has.pre_solve != 0,
+          alone ? (user_values.has(id) ? user_values.at(id).value : 0) : has.user_data()};
+}
+
+bool Population::set_part(std::uint32_t id, std::uint32_t part, const PartTraits& to) {
+  const BodyProperties& of = bodies.properties(id);
+  const bool fixed = of.type() == BodyType::static_body;
+  std::vector<PartProperties> parts;
+  for (std::uint32_t k = 0; k < part_count(id); ++k) parts.push_back(bodies.part_of(of, k));
+  PartProperties& has = parts[part];
+  if (fixed && (has.sensor != 0 || to.sensor)) return false;  // its hulls would have to change, too
+  const bool alone = told_parts(id) == 1;
+  has = properties_of_part({1, to.restitution, to.friction, to.tangent_speed, to.rolling_resistance}, to.filter,
+                           to.sensor, to.one_way, to.pre_solve);
+  if (fixed) turn_one_way({&has, 1}, state_of(id).angle);
+  if (!alone) has.set_user_data(to.user_data);
+  const BodyTraits same = traits_of(id);
+  return become(id, same, changed_body(id, same, same, std::move(parts)));
+}
+
+// A body gets what it becomes.
+bool Population::become(std::uint32_t id, const BodyTraits& to, NewBody body) {
   BodyInfo& info = bodies.info[id];
   const BodyProperties old = bodies.properties(id);
   const BodyKind old_kind = bodies.kinds[old.kind];
   const BodyType type = old.type();
-  if (type == BodyType::static_body && to.sensor != from.sensor) return false;
-
-  NewBody body = changed_body(id, from, to);
   const Restraint rest{id, coefficient(to.linear_damping), coefficient(to.angular_damping), body.kind.locks};
   // What has no room, has none here: nothing was changed yet.
   const bool here = info.place == Place::moving;

@@ -21,6 +21,13 @@ bool is_restrained(const BodyDesc& d) {
   return any && d.type == BodyType::dynamic_body;
 }
 
+// Of a body of one part, that of the part is the body's.
+std::uint64_t user_data_of(const BodyDesc& d) {
+  const auto* compound = std::get_if<CompoundShape>(&d.shape);
+  const bool alone = d.user_data == 0 && compound != nullptr && compound->parts.size() == 1;
+  return alone ? compound->parts[0].user_data : d.user_data;
+}
+
 }  // namespace
 
 double speed_limit(const Lattice& lattice, double dt) {
@@ -141,7 +148,7 @@ std::optional<Population::Newcomer> Population::describe(const BodyDesc& d, std:
   if (kind.restrained) kind.locks = d.locks;
   if (!(moves ? make_moving(d, body, error) : make_static(d, lattice_, body, made.pieces, error))) return std::nullopt;
   reserve(d, made.pieces.size());
-  if (d.user_data != 0) user_values.make_room();
+  if (user_data_of(d) != 0) user_values.make_room();
   if (!d.enabled) make_room_to_disable();
   made.row = acquire(body, error);
   if (made.row == kNoSlot) return std::nullopt;
@@ -161,7 +168,7 @@ void Population::enter(std::uint32_t id, const BodyDesc& d, Newcomer& newcomer) 
     enter_statics(id, d, newcomer.pieces);
   }
   count(bodies.properties(id), +1, traits);
-  put_user_data(id, d.user_data);
+  put_user_data(id, user_data_of(d));
   if (!d.enabled) {
     disable(id);
     BodyState& last = disabled.back().last;  // as it was given, not as the columns round it

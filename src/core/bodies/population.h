@@ -77,6 +77,11 @@ class Population {
   /// Changes a body that does not sleep. False if its traits need more kinds than there may be, or, of a static body, it
   /// would become a sensor or cease to be one.
   bool set_traits(std::uint32_t id, const BodyTraits& to);
+  /// How many parts a body tells, what one of them has, and the same as set_traits() of one. False, too, of sensors of static
+  /// bodies.
+  std::uint32_t told_parts(std::uint32_t id) const;
+  PartTraits part_traits_of(std::uint32_t id, std::uint32_t part) const;
+  bool set_part(std::uint32_t id, std::uint32_t part, const PartTraits& to);
   /// Takes a moving body out of the simulation, because its numbers are broken. It keeps its id, and `last` as its
   /// state.
   void freeze(const BodyState& last);
@@ -151,7 +156,9 @@ class Population {
   void leave_list(std::vector<Entry>& list, std::uint32_t id);
   std::uint32_t part_count(std::uint32_t id) const;
   std::vector<PartProperties> changed_parts(std::uint32_t id, const BodyTraits& from, const BodyTraits& to) const;
-  NewBody changed_body(std::uint32_t id, const BodyTraits& from, const BodyTraits& to) const;
+  NewBody changed_body(std::uint32_t id, const BodyTraits& from, const BodyTraits& to,
+                       std::vector<PartProperties> parts) const;
+  bool become(std::uint32_t id, const BodyTraits& to, NewBody body);
   std::uint32_t acquire(NewBody& body, std::string& error);
   void release(std::uint32_t row);
   void count(const BodyProperties& properties, int sign, Traits& to) const;

@@ -113,7 +113,7 @@ class SharedRuns {
   std::unordered_multimap<std::size_t, std::uint32_t> by_hash_;
 };
 
-static_assert(sizeof(Hull) == (4 * Hull::kMost + 6) * sizeof(float) && sizeof(PartProperties) == 10 * sizeof(float));
+static_assert(sizeof(Hull) == (4 * Hull::kMost + 6) * sizeof(float) && sizeof(PartProperties) == 12 * sizeof(float));
 
 /// The hulls of all moving bodies that are no discs.
 using ShapeTable = SharedRuns<Hull>;

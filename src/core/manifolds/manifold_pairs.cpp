@@ -267,7 +267,8 @@ void Manifolds::begin_collect(const CollectSettings& settings, const PairTable& 
   for (std::size_t s = 0; s < strips; ++s) {
     const Strip& strip = table.strips[s];
     const std::span kinds(kind_.data() + strip.body_begin, kind_.data() + strip.body_end);
-    special_[s] = settings.surfaces || std::ranges::any_of(kinds, [](std::uint8_t kind) { return (kind & ~kTied) != kDisc; });
+    special_[s] =
+        settings.surfaces || std::ranges::any_of(kinds, [](std::uint8_t kind) { return (kind & ~kTied) != kDisc; });
   }
 }
 

@@ -334,7 +334,8 @@ class Manifolds {
   // The kind of the body in each slot, for fast tests: a plain disc, or a body to look up.
   // kParts: its parts differ.
   // kTied: it has joints.
-  static constexpr std::uint8_t kDisc = 0, kShape = 1, kFiltered = 2, kKinematic = 4, kSensor = 8, kParts = 16, kTied = 32;
+  static constexpr std::uint8_t kDisc = 0, kShape = 1, kFiltered = 2, kKinematic = 4, kSensor = 8, kParts = 16,
+                                kTied = 32;
 
   struct FoundPair : PairName {    // a pair that collect or a renewal found
     std::uint32_t before = kNone;  // its place among the pairs of the index

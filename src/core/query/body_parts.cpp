@@ -20,6 +20,8 @@ ShapePart told(const PartProperties& has) {
   part.filter = has.filter;
   part.sensor = has.sensor != 0;
   part.one_way = Vec2{has.one_way_x, has.one_way_y};
+  part.pre_solve = has.pre_solve != 0;
+  part.user_data = has.user_data();
   return part;
 }
 

@@ -78,7 +78,7 @@ inline void one_value(Archive& a, Surface& s) {
 }
 
 inline void one_value(Archive& a, PartProperties& p) {
-  values(a, p.surface, p.filter, p.sensor, p.one_way_x, p.one_way_y, p.pre_solve);
+  values(a, p.surface, p.filter, p.sensor, p.one_way_x, p.one_way_y, p.pre_solve, p.user_low, p.user_high);
   a.require(p.sensor <= 1 && p.pre_solve <= 1 && std::fabs(p.one_way_x) <= 1.001f && std::fabs(p.one_way_y) <= 1.001f);
 }
 

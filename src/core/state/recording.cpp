@@ -16,7 +16,7 @@ constexpr std::tuple kCalls{&World::remove_body,   &World::set_transform,    &Wo
                             &World::remove_joint,  &World::set_motor,        &World::set_skin,
                             &World::set_enabled,   &World::set_traits,       &World::set_user_data,
                             &World::set_target,    &World::apply_force,      &World::apply_force_at,
-                            &World::apply_torque,  &World::explode};
+                            &World::apply_torque,  &World::explode,          &World::set_part_traits};
 
 // What an entry of the log is: one of these, or behind them a call.
 enum Op : std::uint8_t {
@@ -59,7 +59,7 @@ static auto fields(PolygonShape& s) { return std::tie(s.vertices, s.radius); }
 static auto fields(CapsuleShape& s) { return std::tie(s.p1, s.p2, s.radius); }
 static auto fields(ShapePart& p) {
   return std::tie(p.shape, p.position, p.angle, p.density, p.restitution, p.friction, p.filter, p.sensor,
-                  p.tangent_speed, p.rolling_resistance, p.one_way, p.pre_solve);
+                  p.tangent_speed, p.rolling_resistance, p.one_way, p.pre_solve, p.user_data);
 }
 static auto fields(CompoundShape& s) { return std::tie(s.parts); }
 static auto fields(BodyDesc& d) {
@@ -72,6 +72,10 @@ static auto fields(BodyTraits& t) {
   return std::tie(t.filter, t.restitution, t.friction, t.tangent_speed, t.rolling_resistance, t.one_way, t.sensor,
                   t.bullet, t.mass, t.inertia, t.gravity_scale, t.linear_damping, t.angular_damping, t.locks,
                   t.pre_solve, t.can_sleep);
+}
+static auto fields(PartTraits& t) {
+  return std::tie(t.filter, t.restitution, t.friction, t.tangent_speed, t.rolling_resistance, t.one_way, t.sensor,
+                  t.pre_solve, t.user_data);
 }
 
 namespace recorded {
@@ -296,6 +300,9 @@ bool Recorder::set_target(JointId id, Vec2 point) { return log_->call<15>(world_
 bool Recorder::set_skin(double factor) { return log_->call<11>(world_, factor); }
 bool Recorder::set_enabled(BodyId id, bool on) { return log_->call<12>(world_, id, on); }
 bool Recorder::set_traits(BodyId id, const BodyTraits& to) { return log_->call<13>(world_, id, to); }
+bool Recorder::set_part_traits(BodyId id, std::uint32_t part, const PartTraits& to) {
+  return log_->call<20>(world_, id, part, to);
+}
 bool Recorder::set_user_data(BodyId id, std::uint64_t value) { return log_->call<14>(world_, id, value); }
 
 std::vector<std::byte> Recorder::recording() const {

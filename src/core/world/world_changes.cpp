@@ -46,21 +46,61 @@ std::optional<BodyTraits> World::traits(BodyId id) const {
   return impl_->population.traits_of(id.index);
 }
 
+namespace {
+
+// Before traits change: the body wakes, and what it touches or is joined to.
+void wake_around(Owners& w, std::uint32_t id) {
+  disturb(w, id);
+  disturb_joined(w, id);
+  w.bodies.find_slots();
+  w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id));
+}
+
+// After they changed.
+void traits_changed(Owners& w, std::uint32_t id) {
+  if (!w.joints.empty()) w.joints.follow(id);
+  spoil_work(w);
+  w.plan_stale = true;
+  w.observers.queries.forget(QueryIndex::kMoving, QueryIndex::kFixed);
+}
+
+}  // namespace
+
 bool World::set_traits(BodyId id, const BodyTraits& to) try {
   const FloatSettings settings;
   if (!is_valid(id) || impl_->bodies.info[id.index].place == Place::frozen) return false;
   if (!check(to, impl_->bodies.properties(id.index).type()).empty()) return false;
   Owners& w = impl_->settled();
   if (w.population.traits_of(id.index) == to) return true;
-  disturb(w, id.index);
-  disturb_joined(w, id.index);
-  w.bodies.find_slots();
-  w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id.index));
+  wake_around(w, id.index);
   if (!w.population.set_traits(id.index, to)) return false;
-  if (!w.joints.empty()) w.joints.follow(id.index);
-  spoil_work(w);
-  w.plan_stale = true;
-  w.observers.queries.forget(QueryIndex::kMoving, QueryIndex::kFixed);
+  traits_changed(w, id.index);
+  return true;
+} catch (const std::bad_alloc&) {
+  return impl_->ran_out(false);
+}
+
+std::uint32_t World::part_count(BodyId id) const { return is_valid(id) ? impl_->population.told_parts(id.index) : 0; }
+
+std::optional<PartTraits> World::part_traits(BodyId id, std::uint32_t part) const {
+  const FloatSettings settings;
+  if (part >= part_count(id)) return std::nullopt;
+  return impl_->population.part_traits_of(id.index, part);
+}
+
+bool World::set_part_traits(BodyId id, std::uint32_t part, const PartTraits& to) try {
+  const FloatSettings settings;
+  if (part >= part_count(id) || impl_->bodies.info[id.index].place == Place::frozen || !check(to).empty()) return false;
+  Owners& w = impl_->settled();
+  PartTraits now = w.population.part_traits_of(id.index, part);
+  if (now == to) return true;
+  const bool alone = part_count(id) == 1;
+  if (alone && !set_user_data(id, to.user_data)) return false;
+  now.user_data = to.user_data;
+  if (now == to && alone) return true;
+  wake_around(w, id.index);
+  if (!w.population.set_part(id.index, part, to)) return false;
+  traits_changed(w, id.index);
   return true;
 } catch (const std::bad_alloc&) {
   return impl_->ran_out(false);
@@ -73,10 +113,7 @@ bool World::set_body(BodyId id, const BodyDesc& d, std::string& error) try {
   if (!is_valid(id)) error = "there is no such body";
   if (error.empty() && w.bodies.info[id.index].place == Place::frozen) error = "the body is frozen";
   if (!error.empty()) return false;
-  disturb(w, id.index);
-  disturb_joined(w, id.index);
-  w.bodies.find_slots();
-  w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id.index));
+  wake_around(w, id.index);
   w.bodies.reserve_slots(w.sleep.sleepers.list.size() + 2);  // if it must come back, others may have woken meanwhile
   const bool was_out = is_out(w.bodies.info[id.index].place);
   const auto change = w.population.change(id.index, d, error);
