@@ -41,6 +41,7 @@ int main(int argc, char** argv) {
   psim::bench::register_frames();
   psim::bench::register_states();
   psim::bench::register_queries();
+  psim::bench::register_changes();
   psim::bench::register_pictures();
   benchmark::RunSpecifiedBenchmarks();
   benchmark::Shutdown();

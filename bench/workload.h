@@ -48,6 +48,7 @@ void register_collide_kernels();
 void register_frames();
 void register_states();
 void register_queries();
+void register_changes();
 void register_pictures();
 
 }  // namespace psim::bench

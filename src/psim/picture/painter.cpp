@@ -18,7 +18,7 @@ constexpr float kSensorOpacity = 0.3f;
 const Colour kOutside = from_srgb(0x0a0c10), kInside = from_srgb(0x12161d);
 const Colour kWall = from_srgb(0x56616f), kSeam = from_srgb(0x2b323c);
 const Colour kStatic = from_srgb(0x7d8794), kLine = from_srgb(0xb4bfcc), kWell = from_srgb(0xf2f4f7),
-             kJoint = from_srgb(0xd98e73);
+             kWater = from_srgb(0x2f6ea8), kJoint = from_srgb(0xd98e73);
 const Colour kAsleep = from_srgb(0x59616e), kAwake = from_srgb(0xfab840), kStill = from_srgb(0x4d4d4d),
              kDynamic = from_srgb(0x66a6e6), kKinematic = from_srgb(0xe68073);
 
@@ -100,6 +100,7 @@ Painter::Painter(const Scene& scene, Colouring colouring) : scene_(scene), colou
 void Painter::paint(Canvas& canvas, const PictureCamera& camera, const Moment& moment, const Brightest& bright) const {
   canvas.clear(kOutside);
   paint_world(canvas, camera);
+  paint_water(canvas, camera);
   paint_bodies(canvas, camera, moment, bright);
   paint_contacts(canvas, camera, moment);
   paint_joints(canvas, camera, moment);
@@ -166,6 +167,18 @@ void Painter::paint_world(Canvas& canvas, const PictureCamera& camera) const {
 }
 
 // In a periodic world, a body that reaches over a side is seen at the other side, too.
+// Water, behind the bodies.
+void Painter::paint_water(Canvas& canvas, const PictureCamera& camera) const {
+  for (const Field& field : scene_.world.fields) {
+    const auto* water = std::get_if<BuoyancyField>(&field);
+    if (water == nullptr) continue;
+    const Point low = camera.at({water->region.xmin, water->region.ymin});
+    const Point high = camera.at({water->region.xmax, water->region.ymax});
+    const Point corners[] = {low, {high.x, low.y}, high, {low.x, high.y}};
+    canvas.convex(corners, 0, kWater, 0.5f);
+  }
+}
+
 void Painter::paint_bodies(Canvas& canvas, const PictureCamera& camera, const Moment& moment,
                            const Brightest& bright) const {
   const Bounds& world = scene_.world.bounds;

@@ -35,6 +35,7 @@ class Painter {
                   Colour colour) const;
   void paint_contacts(Canvas& canvas, const PictureCamera& camera, const Moment& moment) const;
   void paint_joints(Canvas& canvas, const PictureCamera& camera, const Moment& moment) const;
+  void paint_water(Canvas& canvas, const PictureCamera& camera) const;
   void paint_wells(Canvas& canvas, const PictureCamera& camera) const;
 
   const Scene& scene_;
