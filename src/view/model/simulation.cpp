@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <string_view>
 #include <utility>
 
+#include "builtin/samples.h"
 #include "options/scene_choice.h"
 #include "output/text.h"
 #include "output/user_error.h"
@@ -30,6 +32,12 @@ void override_materials(Scene& scene, std::optional<double> Settings::*which, do
   for (GroupDesc& group : scene.groups) group.body.material.*target = *value;
 }
 
+// What to look for in a scene, or what it is where nobody says.
+std::string about(const Scene& scene) {
+  const std::string_view line = look_for(scene.name);
+  return line.empty() ? scene.description : std::string(line);
+}
+
 }  // namespace
 
 Simulation::Simulation(Scene scene, Isa isa, int threads) : scene_(std::make_shared<const Scene>(std::move(scene))) {
@@ -39,6 +47,7 @@ Simulation::Simulation(Scene scene, Isa isa, int threads) : scene_(std::make_sha
   settings_.substeps = scene_->world.substeps;
   settings_.skin = scene_->world.skin;
   ++scene_serial_;
+  message_ = about(*scene_);
   make(false);
 }
 
@@ -142,7 +151,7 @@ void Simulation::load(const std::string& name) {
       throw;
     }
     ++scene_serial_;
-    message_ = scene_->description;
+    message_ = about(*scene_);
   } catch (const cli::UserError& error) {
     message_ = error.what();
   }
