@@ -218,13 +218,16 @@ TEST(ViewSceneTree, HasEachNameOnce) {
 TEST(ViewHistory, KeepsTheNewestFrames) {
   History history;
   Snapshot snapshot;
+  const auto none = std::make_shared<const std::vector<Vec2>>(), one = std::make_shared<const std::vector<Vec2>>(1);
   for (std::uint64_t frame = 0; frame < 700; ++frame) {
     snapshot.frame = frame;
-    history.record(snapshot);
+    history.record(snapshot, frame < 690 ? none : one);
   }
   EXPECT_EQ(history.size(), 600u);
   EXPECT_EQ(history.at(0).frame, 699u);
   EXPECT_EQ(history.at(599).frame, 100u);
+  EXPECT_EQ(history.wells(9), one);
+  EXPECT_EQ(history.wells(10), none);
 }
 
 }  // namespace

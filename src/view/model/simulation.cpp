@@ -58,12 +58,12 @@ Scene Simulation::configured() const {
   scene.world.skin = settings_.skin;
   override_materials(scene, &Settings::restitution, &Material::restitution, settings_);
   override_materials(scene, &Settings::friction, &Material::friction, settings_);
-  for (const WellField& well : wells_) scene.world.fields.emplace_back(well);
   return scene;
 }
 
 void Simulation::make(bool keep_state) {
-  const Scene scene = configured();
+  Scene scene = configured();
+  if (keep_state && world_) scene.world.fields = world_->desc().fields;
   cli::check_memory(scene);
   if (world_) let_go();
   std::shared_ptr<World> fresh = cli::make_world(scene, settings_.isa, settings_.threads);
@@ -88,6 +88,7 @@ void Simulation::make(bool keep_state) {
                       j.joint.anchor_b, j.joint.type});
   }
   joints_ = std::make_shared<const std::vector<JointLook>>(std::move(joints));
+  note_wells();
   world_->enable_snapshots(true);
   set_collect(collect_);
   world_->prepare();
@@ -142,7 +143,6 @@ void Simulation::load(const std::string& name) {
     settings_.skin = scene_->world.skin;
     settings_.restitution.reset();
     settings_.friction.reset();
-    wells_.clear();
     try {
       make(false);
     } catch (...) {
@@ -158,7 +158,6 @@ void Simulation::load(const std::string& name) {
 }
 
 void Simulation::restart() {
-  wells_.clear();
   make(false);
   message_ = "restarted";
 }
@@ -270,6 +269,7 @@ void Simulation::tell(Status& status) {
   status.scene = scene_;
   status.catalogue = told_catalogue_;
   status.joints = joints_;
+  status.wells = wells_;
   // While it runs, the next step shows what changed.
   const bool no_snapshot = world_->frame() == 0;
   if (changed_ && (paused || no_snapshot)) {

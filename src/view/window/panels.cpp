@@ -181,7 +181,8 @@ void Panels::show_tools() {
   }
   if (state_.tool == Tool::explode || state_.tool == Tool::well) {
     ImGui::SliderFloat("reach", &state_.reach, 0.5f, 200, "%.1f m", ImGuiSliderFlags_Logarithmic);
-    ImGui::SliderFloat("strength", &state_.strength, -200, 200, "%.0f");
+    const char* const unit = state_.tool == Tool::explode ? "%.0f N s/m" : "%.0f m/s2";
+    ImGui::SliderFloat("strength", &state_.strength, -200, 200, unit);
   }
 }
 
