@@ -98,7 +98,7 @@ function(psim_library_interface target)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
-  target_link_libraries(${target} PRIVATE ${PSIM_CPU_FEATURES} Threads::Threads)
+  target_link_libraries(${target} PRIVATE ${PSIM_CPU_FEATURES} Threads::Threads ${PSIM_PROFILE_TARGET})
   set_target_properties(${target} PROPERTIES LINKER_LANGUAGE CXX)
   if(PSIM_SANITIZE)
     target_link_options(${target} PRIVATE -fsanitize=${PSIM_SANITIZE})

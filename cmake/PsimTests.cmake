@@ -21,7 +21,7 @@ function(psim_program name out)
 endfunction()
 
 file(GLOB _test_sources CONFIGURE_DEPENDS tests/*/*_test.cpp tests/support/*.cpp)
-list(FILTER _test_sources EXCLUDE REGEX "/tests/(peers|pool|view)/")
+list(FILTER _test_sources EXCLUDE REGEX "/tests/(peers|pool|profile|view)/")
 psim_for_this_system(_test_sources)
 if(WIN32)  # what needs fork, signals, shell scripts as programs, libpng
   list(FILTER _test_sources EXCLUDE REGEX
@@ -115,6 +115,18 @@ if(PSIM_PORTABLE)
   target_compile_definitions(psim_pool_tests PRIVATE PSIM_PORTABLE)
 endif()
 gtest_discover_tests(psim_pool_tests DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
+
+# The zones of a host's profiler, on the pool alone: the rest of psim is built without them.
+add_executable(psim_profile_tests tests/profile/zones_test.cpp src/core/base/worker_pool.cpp src/core/base/machine.cpp)
+psim_target_defaults(psim_profile_tests)
+target_include_directories(psim_profile_tests PRIVATE include src/core src/kernels)
+target_link_libraries(psim_profile_tests PRIVATE GTest::gtest GTest::gtest_main Threads::Threads ${PSIM_CPU_FEATURES})
+target_compile_definitions(psim_profile_tests PRIVATE
+  "PSIM_PROFILE_HEADER=\"${PROJECT_SOURCE_DIR}/tests/profile/counting_zone.h\"")
+if(PSIM_PORTABLE)
+  target_compile_definitions(psim_profile_tests PRIVATE PSIM_PORTABLE)
+endif()
+gtest_discover_tests(psim_profile_tests DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60 PROPERTIES TIMEOUT 300)
 
 # The table of a step's parts in docs/step.md is the one that the step runs by.
 add_executable(step-table tests/step_table/main.cpp)

@@ -16,8 +16,8 @@ WARNINGS = ["-Wall", "-Wextra", "-Wconversion", "-Wsign-conversion", "-Wshadow",
 OF_FRAGMENTS = ["-Wno-unused-variable", "-Wno-unused-but-set-variable", "-Wno-shadow"]
 # Code of the engine itself, which the engine's own tests compile.
 INTERNAL = {"docs/kernels.md"}
-# The other engine's half of a comparison.
-FOREIGN = re.compile(r"\bb2\w+\(")
+# The other engine's half of a comparison, a header for a profiler.
+FOREIGN = re.compile(r"\bb2\w+\(|\btracy::")
 
 AROUND = {
     "cpp": ("""

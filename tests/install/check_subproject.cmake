@@ -1,5 +1,5 @@
-# psim's sources as a part of another project: FetchContent and add_subdirectory configure and hand on nothing; one of the
-# two is built, run and installed. Run by CTest with cmake -P.
+# psim's sources as a part of another project, with zones for its profiler: FetchContent and add_subdirectory configure and
+# hand on nothing; one of the two is built, run and installed. Run by CTest with cmake -P.
 set(scratch "${BUILD_DIR}/subproject-check")
 file(REMOVE_RECURSE "${scratch}")
 
@@ -18,6 +18,7 @@ foreach(by_fetch ON OFF)
 endforeach()
 run(${CMAKE_COMMAND} --build "${scratch}/ON")
 run("${scratch}/ON/consumer")
+run("${scratch}/ON/zones")
 
 # An installation of that project has its own files alone.
 run(${CMAKE_COMMAND} --install "${scratch}/ON" --prefix "${scratch}/prefix")

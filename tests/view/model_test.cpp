@@ -4,13 +4,17 @@
 #include <cmath>
 #include <memory>
 #include <numbers>
+#include <string>
+#include <vector>
 
+#include "builtin/samples.h"
 #include "model/body_columns.h"
 #include "model/camera.h"
 #include "model/catalogue.h"
 #include "model/frame_log.h"
 #include "model/history.h"
 #include "model/input_script.h"
+#include "model/scene_tree.h"
 #include "model/sim_thread.h"
 #include "output/user_error.h"
 #include "small_scene.h"
@@ -190,16 +194,40 @@ TEST(ViewColumns, LookUpsFollowTheSnapshotAfterRemovals) {
   EXPECT_NEAR(columns.place(2, 1).x, 12, 1e-3);
 }
 
+// Each name of the list is one leaf, whatever it is; a file of a built-in scene has the line of that scene.
+TEST(ViewSceneTree, HasEachNameOnce) {
+  std::vector<std::string> names = {"my.json", "scenes/galton.json"};
+  for (const BuiltinScene& scene : builtin_scenes()) names.emplace_back(scene.name);
+  const std::vector<SceneTopic> tree = scene_tree(names);
+  std::vector<int> leaves(names.size());
+  for (const SceneTopic& topic : tree) {
+    EXPECT_FALSE(topic.leaves.empty()) << topic.name;
+    for (const SceneLeaf& leaf : topic.leaves) {
+      ++leaves.at(leaf.index);
+      EXPECT_TRUE(names[leaf.index].ends_with(leaf.label));
+    }
+  }
+  EXPECT_EQ(leaves, std::vector<int>(names.size(), 1));
+  ASSERT_EQ(tree.back().name, "Files");
+  ASSERT_EQ(tree.back().leaves.size(), 2u);
+  EXPECT_EQ(tree.back().leaves[0].look_for, "");
+  EXPECT_EQ(tree.back().leaves[1].look_for, look_for("galton"));
+  EXPECT_EQ(scene_tree({"galton"}).size(), 1u);  // no empty topics
+}
+
 TEST(ViewHistory, KeepsTheNewestFrames) {
   History history;
   Snapshot snapshot;
+  const auto none = std::make_shared<const std::vector<Vec2>>(), one = std::make_shared<const std::vector<Vec2>>(1);
   for (std::uint64_t frame = 0; frame < 700; ++frame) {
     snapshot.frame = frame;
-    history.record(snapshot);
+    history.record(snapshot, frame < 690 ? none : one);
   }
   EXPECT_EQ(history.size(), 600u);
   EXPECT_EQ(history.at(0).frame, 699u);
   EXPECT_EQ(history.at(599).frame, 100u);
+  EXPECT_EQ(history.wells(9), one);
+  EXPECT_EQ(history.wells(10), none);
 }
 
 }  // namespace

@@ -126,6 +126,36 @@ TEST(ViewSimulation, ExplosionPushesAway) {
   EXPECT_EQ(body(simulation, 2)->vx, 0);  // out of reach
 }
 
+// The same world goes on; another one has it, too; a restart and another scene do not.
+TEST(ViewSimulation, AWellIsOfTheWorldThatRuns) {
+  Simulation simulation = make_simulation();
+  simulation.set_gravity({0, 0});
+  for (int frame = 0; frame < 3; ++frame) simulation.step();
+  const Status before = told(simulation);
+  EXPECT_TRUE(before.wells->empty());
+  simulation.add_well({5, 5}, 300, 100);
+  Status status = told(simulation);
+  EXPECT_EQ(status.world_serial, before.world_serial);
+  ASSERT_EQ(status.wells->size(), 1u);
+  EXPECT_EQ(status.wells->front().x, 5);
+  EXPECT_EQ(status.message, "");
+  EXPECT_TRUE(before.wells->empty());  // what was told stays as it is
+  simulation.step();
+  EXPECT_GT(body(simulation, 0)->vx, 0);
+  EXPECT_GT(body(simulation, 0)->vy, 0);
+  simulation.set_settings(status.settings);
+  EXPECT_EQ(told(simulation).wells->size(), 1u);
+  simulation.add_well({0, 0}, 300, 0);
+  EXPECT_EQ(told(simulation).world->desc().fields.size(), 2u);
+  simulation.add_well({0, 0}, 300, -1);  // refused, and the world says why
+  EXPECT_EQ(told(simulation).wells->size(), 2u);
+  EXPECT_NE(told(simulation).message, "");
+  simulation.restart();
+  EXPECT_TRUE(told(simulation).wells->empty());
+  simulation.load("orbits");
+  EXPECT_EQ(told(simulation).wells->size(), 1u);
+}
+
 TEST(ViewSimulation, SpawnedBodiesWallsAndErasedOnesCount) {
   Simulation simulation = make_simulation();
   for (const SpawnShape shape : {SpawnShape::disc, SpawnShape::box, SpawnShape::polygon, SpawnShape::capsule}) {

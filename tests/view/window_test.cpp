@@ -230,6 +230,25 @@ TEST_F(ViewWindow, PanelsScenesAndOverlaysCanBeShown) {
   EXPECT_GT(Picture(shot).painted(160, 200, 100), 1000);  // a panel full of words
 }
 
+// The tree is closed at first. Opened, it shows the topic of the scene, whose first line is `discs`.
+TEST_F(ViewWindow, AClickInTheTreeLoadsAScene) {
+  NEEDS_A_SCREEN();
+  const auto input = [&](const std::string& clicks, const std::string& name) {
+    // Coloured by body: what is seen follows from places alone.
+    return scratch_.write(name + ".txt", clicks + "12 key C\n12 key C\n12 key C\n12 key C\n12 key Tab\n13 key Home\n" +
+                                             "14 key R\n16 shot " + scratch_.file(name + ".png") + "\n17 quit\n");
+  };
+  const std::string open = "2 move 160 44\n3 down left\n4 up left\n";
+  const std::string choose = "6 move 80 106\n7 down left\n8 up left\n";
+  ASSERT_EQ(run_view("galton --play " + input(open + choose, "chosen")).status, 0);
+  ASSERT_EQ(run_view("galton --play " + input(choose, "closed")).status, 0);
+  ASSERT_EQ(run_view("discs --play " + input("", "discs")).status, 0);
+  const std::string discs = read_file(scratch_.file("discs.png"));
+  EXPECT_GT(discs.size(), 1000u);
+  EXPECT_TRUE(read_file(scratch_.file("chosen.png")) == discs);
+  EXPECT_FALSE(read_file(scratch_.file("closed.png")) == discs);
+}
+
 TEST_F(ViewWindow, PictureNeedsNoDisplayAndSaysNothing) {
   const std::string shot = scratch_.file("i.png");
   const Outcome outcome =

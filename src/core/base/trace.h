@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/profile_zone.h"
 #include "psim/report.h"
 
 namespace psim {
@@ -60,12 +61,16 @@ class Tracer {
   std::vector<TraceEvent> spans_;
 };
 
-/// Adds the time until its destruction to one stage of the report, and passes the span to the tracer. A stage begins
-/// where the one before it ended, so a step reads the clock once at its begin and once a stage.
+/// Adds the time until its destruction to one stage of the report, and passes the span to the tracer and to a profiler of
+/// the host. A stage begins where the one before it ended, so a step reads the clock once at its begin and once a stage.
 class StageTimer {
  public:
   StageTimer(StepReport& report, Tracer& tracer, Stage stage)
-      : report_(report), tracer_(tracer), stage_(static_cast<std::size_t>(stage)), begin_(tracer.stage_end()) {
+      : report_(report),
+        tracer_(tracer),
+        stage_(static_cast<std::size_t>(stage)),
+        begin_(tracer.stage_end()),
+        zone_(kStageNames[stage_].data()) {
     tracer_.set_stage(kStageNames[stage_].data());
   }
   ~StageTimer() {
@@ -81,6 +86,7 @@ class StageTimer {
   Tracer& tracer_;
   std::size_t stage_;
   Tracer::Clock::time_point begin_;
+  [[no_unique_address]] ProfileZone zone_;
 };
 
 }  // namespace psim

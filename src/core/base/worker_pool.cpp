@@ -81,7 +81,13 @@ void WorkerPool::run_here(std::size_t count, Call call, const void* context) {
   done_.fetch_add(work(0, open), std::memory_order_acq_rel);
   const bool traced = tracer_ != nullptr && tracer_->on() && done_.load(std::memory_order_acquire) != count;
   const Tracer::Clock::time_point begin = traced ? Tracer::Clock::now() : Tracer::Clock::time_point{};
-  for (int spins = 0; done_.load(std::memory_order_acquire) != count; ++spins) wait_a_moment(spins);
+  {
+    LateZone zone;
+    for (int spins = 0; done_.load(std::memory_order_acquire) != count; ++spins) {
+      zone.begin(kWaitName);
+      wait_a_moment(spins);
+    }
+  }
   if (traced) tracer_->add(0, kWaitName, begin, Tracer::Clock::now());
   for (std::size_t t = 0; t < threads_; ++t) {
     shares_[t].next.store(pack(open + 1, 0xFFFFFFFFu), std::memory_order_release);
@@ -99,6 +105,7 @@ void WorkerPool::throw_what_was_thrown() {
 // Claims and runs jobs under the ticket until none is left; returns how many.
 std::size_t WorkerPool::work(std::size_t home, std::uint32_t ticket) noexcept {
   std::size_t finished = 0;
+  LateZone zone;  // a worker's; the caller is in the zone of the stage
   for (std::size_t step = 0; step < threads_; ++step) {
     Share& share = shares_[(home + step) % threads_];
     std::uint64_t next = share.next.load(std::memory_order_acquire);
@@ -116,6 +123,8 @@ std::size_t WorkerPool::work(std::size_t home, std::uint32_t ticket) noexcept {
                                             std::memory_order_acquire)) {
         continue;
       }
+      // Read under a claim: the run was opened after the stage was set.
+      if (home != 0 && tracer_ != nullptr) zone.begin(tracer_->stage());
       for (std::uint32_t n = number; n < number + claimed; ++n) {
         attempt([=] { call(context, n); });
       }

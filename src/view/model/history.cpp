@@ -4,14 +4,15 @@
 
 namespace psim::view {
 
-void History::record(const Snapshot& snapshot) {
+void History::record(const Snapshot& snapshot, const WellPlaces& wells) {
   const std::size_t bytes = std::max<std::size_t>(snapshot.id.size() * kRowBytes, 1);
   const std::size_t room = std::clamp(kMostBytes / bytes, kLeastFrames, kMostFrames);
   if (frames_.empty() || room < frames_.size()) {
     clear();
     frames_.resize(room);
   }
-  frames_[next_] = snapshot;
+  frames_[next_].snapshot = snapshot;  // into memory that is there
+  frames_[next_].wells = wells;
   next_ = (next_ + 1) % frames_.size();
   size_ = std::min(size_ + 1, frames_.size());
 }

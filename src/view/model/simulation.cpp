@@ -7,8 +7,10 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <string_view>
 #include <utility>
 
+#include "builtin/samples.h"
 #include "options/scene_choice.h"
 #include "output/text.h"
 #include "output/user_error.h"
@@ -30,6 +32,12 @@ void override_materials(Scene& scene, std::optional<double> Settings::*which, do
   for (GroupDesc& group : scene.groups) group.body.material.*target = *value;
 }
 
+// What to look for in a scene, or what it is where nobody says.
+std::string about(const Scene& scene) {
+  const std::string_view line = look_for(scene.name);
+  return line.empty() ? scene.description : std::string(line);
+}
+
 }  // namespace
 
 Simulation::Simulation(Scene scene, Isa isa, int threads) : scene_(std::make_shared<const Scene>(std::move(scene))) {
@@ -39,6 +47,7 @@ Simulation::Simulation(Scene scene, Isa isa, int threads) : scene_(std::make_sha
   settings_.substeps = scene_->world.substeps;
   settings_.skin = scene_->world.skin;
   ++scene_serial_;
+  message_ = about(*scene_);
   make(false);
 }
 
@@ -49,12 +58,12 @@ Scene Simulation::configured() const {
   scene.world.skin = settings_.skin;
   override_materials(scene, &Settings::restitution, &Material::restitution, settings_);
   override_materials(scene, &Settings::friction, &Material::friction, settings_);
-  for (const WellField& well : wells_) scene.world.fields.emplace_back(well);
   return scene;
 }
 
 void Simulation::make(bool keep_state) {
-  const Scene scene = configured();
+  Scene scene = configured();
+  if (keep_state && world_) scene.world.fields = world_->desc().fields;
   cli::check_memory(scene);
   if (world_) let_go();
   std::shared_ptr<World> fresh = cli::make_world(scene, settings_.isa, settings_.threads);
@@ -79,6 +88,7 @@ void Simulation::make(bool keep_state) {
                       j.joint.anchor_b, j.joint.type});
   }
   joints_ = std::make_shared<const std::vector<JointLook>>(std::move(joints));
+  note_wells();
   world_->enable_snapshots(true);
   set_collect(collect_);
   world_->prepare();
@@ -133,7 +143,6 @@ void Simulation::load(const std::string& name) {
     settings_.skin = scene_->world.skin;
     settings_.restitution.reset();
     settings_.friction.reset();
-    wells_.clear();
     try {
       make(false);
     } catch (...) {
@@ -142,14 +151,13 @@ void Simulation::load(const std::string& name) {
       throw;
     }
     ++scene_serial_;
-    message_ = scene_->description;
+    message_ = about(*scene_);
   } catch (const cli::UserError& error) {
     message_ = error.what();
   }
 }
 
 void Simulation::restart() {
-  wells_.clear();
   make(false);
   message_ = "restarted";
 }
@@ -261,6 +269,7 @@ void Simulation::tell(Status& status) {
   status.scene = scene_;
   status.catalogue = told_catalogue_;
   status.joints = joints_;
+  status.wells = wells_;
   // While it runs, the next step shows what changed.
   const bool no_snapshot = world_->frame() == 0;
   if (changed_ && (paused || no_snapshot)) {

@@ -56,12 +56,16 @@ struct TouchLists {
 
 inline constexpr std::uint64_t kNoFrame = ~std::uint64_t{0};
 
+/// Where the wells of a world are, metres.
+using WellPlaces = std::shared_ptr<const std::vector<Vec2>>;
+
 /// What the view knows of the simulation. Everything pointed to stays as it is.
 struct Status {
   std::shared_ptr<World> world;  ///< for latest_snapshot and constants only
   std::shared_ptr<const Scene> scene;
   std::shared_ptr<const Catalogue> catalogue;
   std::shared_ptr<const std::vector<JointLook>> joints;
+  WellPlaces wells;
   std::shared_ptr<const Snapshot> still;  ///< if set, newer than the world's latest snapshot
   std::shared_ptr<const TouchLists> touches;
   Settings settings;
@@ -102,7 +106,8 @@ class Simulation {
   void drag(Vec2 to);
   void let_go();
   void spawn(Vec2 at, SpawnShape shape, double size);
-  void explode(Vec2 at, double reach, double speed);
+  /// `strength`: N s for each metre of a body's width, up to half of `reach`; from there it fades to nothing.
+  void explode(Vec2 at, double reach, double strength);
   void add_well(Vec2 at, double strength, double range);
   void add_wall(Vec2 from, Vec2 to);
   void erase(Vec2 at, double reach);
@@ -134,6 +139,7 @@ class Simulation {
   void add(BodyDesc desc);
   void forget_joints_of(std::uint32_t id);
   void lead();
+  void note_wells();
   Vec2 way(Vec2 from, Vec2 to) const;
   Vec2 inside(Vec2 place) const;
   std::shared_ptr<const TouchLists> take_touches();
@@ -148,8 +154,8 @@ class Simulation {
   std::shared_ptr<const std::vector<JointLook>> joints_;
   Settings settings_;
   Collect collect_;
-  std::vector<WellField> wells_;  // those placed by hand
-  std::vector<Added> added_;      // bodies placed by hand
+  WellPlaces wells_;
+  std::vector<Added> added_;  // bodies placed by hand
   std::optional<Grab> grab_;
   std::vector<HitEvent> hits_;
   std::vector<StepReport> reports_;

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <variant>
 
 #include "model/simulation.h"
 #include "place/shape_size.h"
@@ -179,21 +181,23 @@ void Simulation::spawn(Vec2 at, SpawnShape shape, double size) {
   add(std::move(desc));
 }
 
-void Simulation::explode(Vec2 at, double reach, double speed) {
-  for (const BodyId id : world_->overlap(DiscShape{reach}, at, 0, kMovable)) {
-    const auto body = world_->body(id);
-    if (!body) continue;
-    const double dx = body->x - at.x, dy = body->y - at.y, d = std::hypot(dx, dy);
-    if (!(d > 0)) continue;
-    const double push = mass_of(*body) * speed * std::max(1 - d / (2 * reach), 0.0) / d;
-    world_->apply_impulse(id, {push * dx, push * dy});
-  }
+void Simulation::explode(Vec2 at, double reach, double strength) {
+  world_->explode({.position = at, .radius = reach / 2, .falloff = reach / 2, .impulse_per_length = strength});
   changed_ = true;
 }
 
 void Simulation::add_well(Vec2 at, double strength, double range) {
-  wells_.push_back({.position = at, .strength = strength, .softening = 0.05 * range, .exponent = 1, .range = range});
-  set_settings(settings_);
+  std::vector<Field> fields = world_->desc().fields;
+  fields.emplace_back(WellField{at, strength, 0.05 * range, 1, range});
+  if (world_->set_fields(fields, message_)) note_wells();
+}
+
+void Simulation::note_wells() {
+  std::vector<Vec2> places;
+  for (const Field& field : world_->desc().fields) {
+    if (const auto* well = std::get_if<WellField>(&field)) places.push_back(well->position);
+  }
+  wells_ = std::make_shared<const std::vector<Vec2>>(std::move(places));
 }
 
 void Simulation::add_wall(Vec2 from, Vec2 to) {

@@ -59,6 +59,7 @@ void Overlays::build(const Status& status, const BodyColumns& bodies, const Came
   above.begin(camera);
   const WorldDesc& world = status.world->desc();
   add_world(world, camera, choice.grid);
+  add_wells(back > 0 ? *history.wells(back) : *status.wells, camera);
   if (bodies.size() == 0) return;
   if (choice.trails) add_trails(history, back, world, bodies);
   add_line_bodies(bodies, alpha);
@@ -87,11 +88,11 @@ void Overlays::add_world(const WorldDesc& world, const Camera& camera, bool grid
     const Vec2 corners[] = {{b.xmin, b.ymin}, {b.xmax, b.ymin}, {b.xmax, b.ymax}, {b.xmin, b.ymax}};
     for (int k = 0; k < 4; ++k) below.add(corners[k], corners[(k + 1) % 4], 3, colour);
   }
-  for (const Field& field : world.fields) {
-    const auto* well = std::get_if<WellField>(&field);
-    if (well == nullptr) continue;
-    add_circle(above, well->position, 7 / camera.pixels_per_metre(), kWell);
-    add_circle(above, well->position, 2 / camera.pixels_per_metre(), kWell);
+}
+
+void Overlays::add_wells(const std::vector<Vec2>& wells, const Camera& camera) {
+  for (const Vec2 place : wells) {
+    for (const double pixels : {7.0, 2.0}) add_circle(above, place, pixels / camera.pixels_per_metre(), kWell);
   }
 }
 

@@ -39,6 +39,7 @@ class Overlays {
   };
 
   void add_world(const WorldDesc& world, const Camera& camera, bool grid);
+  void add_wells(const std::vector<Vec2>& wells, const Camera& camera);
   void add_line_bodies(const BodyColumns& bodies, float alpha);
   void add_joints(const std::vector<JointLook>& joints, const WorldDesc& world, const BodyColumns& bodies, float alpha);
   void add_contacts(const std::vector<ContactLook>& contacts, const BodyColumns& bodies, const Camera& camera,

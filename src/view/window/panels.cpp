@@ -82,15 +82,7 @@ void Panels::show_counts(const Status& status, const ShownFrame& shown, const Fr
 }
 
 void Panels::show_run(const Status& status, const ShownFrame& shown, const FrameTimes& times, std::size_t frames_kept) {
-  const std::string name = status.scene->name;
-  if (ImGui::BeginCombo("scene", name.c_str())) {
-    for (std::size_t k = 0; k < tools_.scenes().size(); ++k) {
-      if (ImGui::Selectable(tools_.scenes()[k].c_str(), k == tools_.scene_index())) {
-        tools_.open_scene(k);
-      }
-    }
-    ImGui::EndCombo();
-  }
+  scenes_.show(status);
   show_counts(status, shown, times);
   if (ImGui::Button(status.paused ? "run" : "pause")) tools_.toggle_pause(status.paused);
   ImGui::SameLine();
@@ -189,7 +181,8 @@ void Panels::show_tools() {
   }
   if (state_.tool == Tool::explode || state_.tool == Tool::well) {
     ImGui::SliderFloat("reach", &state_.reach, 0.5f, 200, "%.1f m", ImGuiSliderFlags_Logarithmic);
-    ImGui::SliderFloat("strength", &state_.strength, -200, 200, "%.0f");
+    const char* const unit = state_.tool == Tool::explode ? "%.0f N s/m" : "%.0f m/s2";
+    ImGui::SliderFloat("strength", &state_.strength, -200, 200, unit);
   }
 }
 

@@ -7,6 +7,7 @@
 #include "model/frame_log.h"
 #include "model/frame_times.h"
 #include "model/sim_thread.h"
+#include "window/scene_panel.h"
 #include "window/tools.h"
 #include "window/view_state.h"
 
@@ -19,7 +20,7 @@ struct ShownFrame {
 
 class Panels {
  public:
-  Panels(SimThread& sim, ViewState& state, Tools& tools) : sim_(sim), state_(state), tools_(tools) {}
+  Panels(SimThread& sim, ViewState& state, Tools& tools) : sim_(sim), state_(state), tools_(tools), scenes_(tools) {}
 
   /// Called every frame between begin_panels and draw_panels of the window.
   void show(const Status& status, const ShownFrame& shown, const FrameTimes& times, std::size_t frames_kept);
@@ -36,6 +37,7 @@ class Panels {
   SimThread& sim_;
   ViewState& state_;
   Tools& tools_;
+  ScenePanel scenes_;
   FrameLog log_;
   Settings draft_;  // of the sliders while one is held
   bool editing_ = false;

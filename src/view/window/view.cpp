@@ -122,7 +122,7 @@ void View::look_at_simulation() {
   if (new_frame) {
     seen_frame_ = live_->frame;
     seen_at_s_ = now_s();
-    history_.record(*live_);
+    history_.record(*live_, status_.wells);
     overlays_.note(status_);
   }
   state_.back = std::min(state_.back, history_.size() - 1);

@@ -31,7 +31,7 @@ struct ViewState {
   SpawnShape spawn_shape = SpawnShape::disc;
   float size = 0.5f;    ///< metres: radius of what is spawned
   float reach = 10;     ///< metres: of explosions and wells
-  float strength = 30;  ///< m/s: of explosions; m/s^2 at its edge: of wells
+  float strength = 30;  ///< N s/m: of explosions; m/s^2 at its edge: of wells
 };
 
 }  // namespace psim::view
