@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include "base/column.h"
 #include "base/lattice.h"
 #include "base/worker_pool.h"
 #include "bodies/body_store.h"
@@ -41,7 +42,7 @@ class Media {
     for (std::vector<Push>& some : found_) some.clear();
   }
   std::size_t bytes() const;
-  void release() { found_ = {}; }
+  void release() { give_back(found_); }
 
  private:
   std::vector<std::vector<Push>> found_;  // by job
