@@ -32,6 +32,7 @@
 
 #include "psim/c/about.h"
 #include "psim/c/bodies.h"
+#include "psim/c/contacts.h"
 #include "psim/c/desc.h"
 #include "psim/c/draw.h"
 #include "psim/c/geometry.h"

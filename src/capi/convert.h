@@ -48,6 +48,12 @@ inline Pose to_cpp(const psim_pose& at) { return {to_cpp(at.position), at.angle}
 inline ShapeMove to_cpp(const psim_shape_move& m) { return {to_cpp(m.from), to_cpp(m.translation), m.rotation}; }
 CostModel to_cpp(const psim_cost_model& m);
 
+inline std::string number(std::int32_t value) { return std::to_string(value); }
+inline constexpr const char* kNotZero = "reserved must be 0";
+inline std::optional<double> given(std::int32_t has, double value) {
+  return has != 0 ? std::optional<double>(value) : std::nullopt;
+}
+
 /// The enumerator of a number, or nothing.
 template <class Enum>
 std::optional<Enum> to_enum(std::int32_t value, Enum last) {

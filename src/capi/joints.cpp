@@ -46,8 +46,17 @@ psim_result psim_world_joint(const psim_world* world, psim_joint_id id, psim_joi
     if (!s) return stale_joint(call, id.index);
     *state = {to_c(s->a), to_c(s->b),        static_cast<int32_t>(s->type),
               0,          to_c(s->anchor_a), to_c(s->anchor_b),
-              s->value,   to_c(s->force),    s->torque,
-              s->speed};
+              s->value,   to_c(s->force),    s->torque};
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_joint_speed(const psim_world* world, psim_joint_id id, double* speed) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (speed == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "speed must not be NULL");
+    const auto state = w.joint(to_cpp(id));
+    if (!state) return stale_joint(call, id.index);
+    *speed = state->speed;
     return PSIM_OK;
   });
 }

@@ -67,6 +67,26 @@ inline BodyDesc of_shape(BodyType type, double x, double y, S shape) {
   return d;
 }
 
+inline BodyId nth(World& world, std::uint32_t index) { return world.id_of(index); }
+
+// Changes most of what a body has.
+inline bool change(World& w, std::uint32_t index) {
+  BodyTraits t = w.traits(nth(w, index)).value_or(BodyTraits{});
+  t.friction = 0.7;
+  t.tangent_speed = 2;
+  t.bullet = true;
+  t.linear_damping = 1;
+  t.locks.x = true;
+  return w.set_traits(nth(w, index), t);
+}
+
+inline bool change_part(World& w, std::uint32_t index) {
+  PartTraits t = *w.part_traits(nth(w, index), 0);
+  t.friction = 0.75;
+  t.pre_solve = true;
+  return w.set_part_traits(nth(w, index), 0, t);
+}
+
 /// What calls are given is made beforehand: only what the engine allocates shall fail.
 struct Given {
   BodyDesc disc = disc_at(0, 20), above = disc_at(-3.5, 1.2);

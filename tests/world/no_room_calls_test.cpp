@@ -34,26 +34,7 @@ struct Named {
   std::function<bool(World&)> call;  // false: nothing was done
 };
 
-BodyId nth(World& world, std::uint32_t index) { return world.id_of(index); }
 constexpr std::uint32_t kAsleep = 3, kJoined = 1, kBar = 13, kAwake = 20, kOff = 35, kOffWall = 36;
-
-// Changes most of what a body has.
-bool change(World& w, std::uint32_t index) {
-  BodyTraits t = w.traits(nth(w, index)).value_or(BodyTraits{});
-  t.friction = 0.7;
-  t.tangent_speed = 2;
-  t.bullet = true;
-  t.linear_damping = 1;
-  t.locks.x = true;
-  return w.set_traits(nth(w, index), t);
-}
-
-bool change_part(World& w, std::uint32_t index) {
-  PartTraits t = *w.part_traits(nth(w, index), 0);
-  t.friction = 0.75;
-  t.pre_solve = true;
-  return w.set_part_traits(nth(w, index), 0, t);
-}
 
 const std::vector<Named>& calls() {
   static std::string error;

@@ -2,6 +2,7 @@
 /// C API: bodies come, go, and are pushed.
 #pragma once
 
+#include "psim/c/contacts.h"
 #include "psim/c/desc.h"
 
 #ifdef __cplusplus

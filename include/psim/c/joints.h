@@ -21,7 +21,6 @@ typedef struct psim_joint_state {
   double value;
   psim_vec2 force;  ///< N on b, of the last substep
   double torque;    ///< N m on b
-  double speed;     ///< m/s or rad/s: how fast `value` grows
 } psim_joint_state;
 
 /// Ties two bodies and puts the handle into `id` (may be NULL).
@@ -35,6 +34,9 @@ PSIM_API int32_t psim_world_is_valid_joint(const psim_world* world, psim_joint_i
 
 /// What a joint does. PSIM_ERROR_STALE_ID.
 PSIM_API psim_result psim_world_joint(const psim_world* world, psim_joint_id id, psim_joint_state* state);
+
+/// How fast psim_joint_state.value grows, m/s or rad/s. PSIM_ERROR_STALE_ID.
+PSIM_API psim_result psim_world_joint_speed(const psim_world* world, psim_joint_id id, double* speed);
 
 /// The description of a joint: lengths, references, stiffness and damping that follow from others are set, and
 /// `frequency` is 0. PSIM_ERROR_STALE_ID.

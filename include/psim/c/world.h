@@ -2,6 +2,7 @@
 /// C API: worlds, their steps and how they are run.
 #pragma once
 
+#include "psim/c/contacts.h"
 #include "psim/c/desc.h"
 
 #ifdef __cplusplus

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "manifolds/pair_name.h"
+#include "manifolds/manifold_pair.h"
 
 namespace psim {
 

@@ -4,7 +4,7 @@
 #include <tuple>
 
 #include "base/room.h"
-#include "state/describe.h"
+#include "state/describe_calls.h"
 
 namespace psim {
 namespace {
@@ -46,37 +46,6 @@ struct RecordHeader : FileHeader {
 };
 
 }  // namespace
-
-// ---- what calls of the host are given
-static auto fields(StepDetail& d) {
-  return std::tie(d.substeps, d.solves, d.frames, d.horizon, d.pieces, d.wakes, d.sweeps);
-}
-static auto fields(DiscShape& s) { return std::tie(s.radius); }
-static auto fields(SegmentShape& s) { return std::tie(s.p1, s.p2); }
-static auto fields(ChainShape& s) { return std::tie(s.vertices, s.loop, s.materials); }
-static auto fields(BoxShape& s) { return std::tie(s.width, s.height, s.radius); }
-static auto fields(PolygonShape& s) { return std::tie(s.vertices, s.radius); }
-static auto fields(CapsuleShape& s) { return std::tie(s.p1, s.p2, s.radius); }
-static auto fields(ShapePart& p) {
-  return std::tie(p.shape, p.position, p.angle, p.density, p.restitution, p.friction, p.filter, p.sensor,
-                  p.tangent_speed, p.rolling_resistance, p.one_way, p.pre_solve, p.user_data);
-}
-static auto fields(CompoundShape& s) { return std::tie(s.parts); }
-static auto fields(BodyDesc& d) {
-  return std::tie(d.type, d.shape, d.position, d.angle, d.velocity, d.angular_velocity, d.material, d.mass,
-                  d.gravity_scale, d.fixed_rotation, d.bullet, d.sensor, d.filter, d.linear_damping, d.angular_damping,
-                  d.locks, d.one_way, d.enabled, d.user_data, d.pre_solve, d.can_sleep);
-}
-static auto fields(Explosion& e) { return std::tie(e.position, e.radius, e.falloff, e.impulse_per_length, e.mask); }
-static auto fields(BodyTraits& t) {
-  return std::tie(t.filter, t.restitution, t.friction, t.tangent_speed, t.rolling_resistance, t.one_way, t.sensor,
-                  t.bullet, t.mass, t.inertia, t.gravity_scale, t.linear_damping, t.angular_damping, t.locks,
-                  t.pre_solve, t.can_sleep);
-}
-static auto fields(PartTraits& t) {
-  return std::tie(t.filter, t.restitution, t.friction, t.tangent_speed, t.rolling_resistance, t.one_way, t.sensor,
-                  t.pre_solve, t.user_data);
-}
 
 namespace recorded {
 
