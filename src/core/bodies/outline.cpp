@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "base/elementary.h"
+#include "base/machine.h"
 #include "base/orientation.h"
 #include "base/range_text.h"
 #include "base/room.h"
@@ -328,6 +329,7 @@ std::vector<ShapePart> cut(std::span<const Vec2> vertices, double radius, std::s
 }  // namespace
 
 std::vector<ShapePart> cut_outline(std::span<const Vec2> vertices, double radius, std::string& error) try {
+  const FloatSettings settings;
   return cut(vertices, radius, error);
 } catch (const std::bad_alloc&) {
   ran_out_of_memory() = true;
