@@ -76,7 +76,7 @@ struct JointDesc {
   std::uint64_t user_data = 0;  ///< 64 bits of the host
   double linear_stiffness = 0;  ///< weld: N/m, of a spring that holds the anchors together; 0 and no damping: rigid
   double linear_damping = 0;    ///< weld: N s/m, of that spring
-  /// motor: 0 to 1, of the way to `offset` and `reference`: about the share that each substep makes up, beside the velocities,
+  /// motor: 0 to 1, of the way to `offset` and `reference`: the share that each step makes up, beside the velocities,
   /// as far as the limits let it. 0: there is no such place.
   double correction = 0;
   Vec2 offset = {};  ///< motor: metres, in the frame of a: from its anchor to that of b

@@ -61,7 +61,7 @@ inline constexpr Range kMotorSpeed{-1e6, 1e6};    ///< m/s or rad/s
 inline constexpr Range kMotorLimit{0, 1e30};      ///< N or N m; the largest is as good as none
 inline constexpr Range kFrequency{0, 1e6, true};  ///< Hz: of a spring
 inline constexpr Range kDampingRatio{0, 1e6};     ///< of a spring: 1 is the least damping without a swing
-inline constexpr Range kCorrection{0, 1};         ///< of a motor: the share of its way in a substep
+inline constexpr Range kCorrection{0, 1};         ///< of a motor: the share of its way in a step
 inline constexpr Range kRatio{-1e6, 1e6};         ///< of a gear, 1e-6 at least without its sign
 inline constexpr Range kPulleyRatio{1e-6, 1e6};   ///< of a pulley
 

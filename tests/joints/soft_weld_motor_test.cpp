@@ -121,8 +121,8 @@ TEST(SoftWeld, KeepsMomentaAndComesAndGoes) {
   EXPECT_GT(std::hypot(world->joint(id)->force.x, world->joint(id)->force.y), 0);
 }
 
-// Each substep makes up about the share that it is told: the speed at its end is that share of the way in its time, and it
-// goes by the mean of the speeds before and after.
+// Each step makes up the share that it is told, at one speed but for its first substep, which goes by the mean of the
+// speeds before and after.
 TEST(Motor, GoesToItsPlace) {
   for (const double share : {1.0, 0.3, 0.05}) {
     for (const int substeps : {1, 4}) {
@@ -135,14 +135,12 @@ TEST(Motor, GoesToItsPlace) {
       d.correction = share;
       d.force_limit = d.torque_limit = 1e9;
       join(*world, d);
-      double left = 1, speed = 0;  // of the way; a substep
+      double left = 1, speed = 0;  // of the way, and of it in a step
       for (int k = 0; k < 40; ++k) {
         world->step();
-        for (int n = 0; n < substeps; ++n) {
-          const double next = -share * left;
-          left += (speed + next) / 2;
-          speed = next;
-        }
+        const double next = -share * left;
+        left += next - (next - speed) / (2 * substeps);
+        speed = next;
         const BodyState s = state(*world, id);
         ASSERT_NEAR(s.x, 3 + 2 * left, 2e-3) << share << " " << k;
         ASSERT_NEAR(s.y, 3 - 2 * left, 2e-3) << share << " " << k;
@@ -167,8 +165,9 @@ TEST(Motor, FollowsABodyWithinItsLimits) {
   join(*world, d);
   run(*world, 240);
   const BodyState s = state(*world, b), from = state(*world, a);
-  EXPECT_NEAR(s.x, from.x + 2 * std::cos(from.angle), 0.02);
-  EXPECT_NEAR(s.y, from.y + 2 * std::sin(from.angle), 0.02);
+  // The place goes round at 1 m/s: the body lags by what that is in dt / share.
+  EXPECT_NEAR(s.x, from.x + 2 * std::cos(from.angle), 0.036);
+  EXPECT_NEAR(s.y, from.y + 2 * std::sin(from.angle), 0.036);
   EXPECT_NEAR(s.angle, from.angle, 0.02);
 
   auto weak = make(space());

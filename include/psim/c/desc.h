@@ -173,7 +173,7 @@ typedef struct psim_joint_desc {
   uint64_t user_data;         ///< 64 bits of the host
   double linear_stiffness;    ///< weld: N/m, of a spring that holds the anchors together; 0 and no damping: rigid
   double linear_damping;      ///< weld: N s/m, of that spring
-  double correction;          ///< motor: 0 to 1, of the way to offset and reference: the share of each substep
+  double correction;          ///< motor: 0 to 1, of the way to offset and reference: the share of each step
   psim_vec2 offset;           ///< motor: metres, in the frame of a: from its anchor to that of b
 } psim_joint_desc;
 

@@ -288,8 +288,9 @@ int JointStore::sweeps() const {
   return blocks <= kFew ? kMostSweeps : blocks <= many ? kMostSweeps / 2 : kLeastSweeps;
 }
 
-void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h, double coast,
-                         bool calm) {
+void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h, int substeps,
+                         double coast, bool calm) {
+  in_step_ = substeps;
   if (empty()) return;
   s_.bodies.find_slots();
   if (stale_) lay_out();

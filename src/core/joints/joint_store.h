@@ -168,7 +168,8 @@ class JointStore {
 
   /// Prepares the blocks for a frame with substeps of h seconds. `coast`: the time for which forces act in them, less
   /// where motion is damped. `calm`: bodies may sleep.
-  void prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h, double coast, bool calm);
+  void prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h, int substeps, double coast,
+               bool calm);
 
   void warm(const kernels::BodyView& view, float factor);
   /// `drift` and `smooth_limit2` as Articulations::solve has them.
@@ -403,6 +404,7 @@ class JointStore {
   std::vector<std::uint8_t> marks_;
 
   double h_ = 0;                   // s: the substep of the last prepare
+  int in_step_ = 1;                // substeps of a step
   std::uint32_t world_ = kNoSlot;  // in members_
   int substeps_ = 0;               // since then
   double acting_ = 1;              // how long forces act in it, of h

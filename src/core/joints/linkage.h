@@ -78,9 +78,6 @@ struct Linkage {
   bool paired = false;
   double ratio = 0;        ///< of the second part; 0: there is none
   double length = 0;       ///< m or rad: what the first row counts from
-  double correction = 0;   ///< motor: of the miss, that a substep makes up
-  double pace[3] = {};     ///< motor: m/s, m/s, rad/s: the speeds of its drives beside that
-  Vec2 offset;             ///< motor: m, in the frame of A
   double inverse[3] = {};  ///< of the first two rows: xx, xy, yy; of one rigid row: xx
   std::array<LinkageEnd, kMostEnds> end;
   LinkagePart part[2];

@@ -114,9 +114,13 @@ void JointStore::set_drives(Linkage& l, const JointDesc& d, std::uint32_t crowd)
     set_motor(first, d.linear_velocity.x, d.force_limit, h_);
     set_motor(l.drive[1], d.linear_velocity.y, d.force_limit, h_);
     set_motor(l.drive[2], d.angular_velocity, d.torque_limit, h_);
-    for (std::size_t k = 0; k < 3; ++k) l.pace[k] = l.drive[k].speed;
-    l.correction = d.correction;
-    l.offset = d.offset;
+    if (d.correction == 0) return;
+    // What it misses of its place at the start of the step, it makes up in the step.
+    const Vec2 offset = turned(sine_cosine(l.end[l.part[0].end[0]].angle), d.offset);
+    const double rate = d.correction / (h_ * in_step_);
+    first.speed -= rate * (l.row[0].value - offset.x);
+    l.drive[1].speed -= rate * (l.row[1].value - offset.y);
+    l.drive[2].speed -= rate * l.row[2].value;
     return;
   }
   if (d.type == JointType::weld) {

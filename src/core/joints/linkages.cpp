@@ -210,15 +210,6 @@ void pull_pair(Linkage& l, Motions& m, const Motions& before, double h) {
   set_pair(l, m, c - s.drag * after);
 }
 
-// A motor that has a place to come to goes there, too.
-void aim(Linkage& l, const kernels::BodyView& view, double h) {
-  const LinkageEnd& a = l.end[l.part[0].end[0]];
-  const double angle = a.angle + static_cast<double>(view.angle_change[a.number]);
-  const Vec2 offset = turned(sine_cosine(angle), l.offset);
-  const double miss[] = {l.row[0].value - offset.x, l.row[1].value - offset.y, l.row[2].value};
-  for (std::uint32_t k = 0; k < 3; ++k) l.drive[k].speed = l.pace[k] - l.correction / h * miss[k];
-}
-
 // Impulses that take the speeds `miss` of the rigid rows away.
 void stop_rigid(Linkage& l, Motions& m, const Misses& miss, bool keep) {
   const Vec2 by = times_inverse(l, {miss.of[0], miss.of[1]});
@@ -234,7 +225,6 @@ void stop_rigid(Linkage& l, Motions& m, const Misses& miss, bool keep) {
 void warm_one(Linkage& l, const kernels::BodyView& view, double factor, double h) {
   l.each_impulse([factor](double& impulse) { impulse *= factor; });
   find_now(l, view, h);
-  if (l.correction > 0) aim(l, view, h);
   Motions m(l, view.vel, view.rim_speed);
   for (std::uint32_t r = 0; r < l.rows; ++r) m.push(l, l.row[r], l.row[r].impulse);
   m.store(l, view);

@@ -1,11 +1,15 @@
 // Fixed geometry, and the bodies that sleep, which are part of it meanwhile.
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "sleep/sleepers.h"
 #include "state/describe.h"
 
 namespace psim {
+
+// Whether the part of a point that its lattice leaves is a number, as those of fixed geometry are.
+static bool is_near(const LatticePoint& p) { return std::isfinite(p.dx) && std::isfinite(p.dy); }
 
 // Bit-fields, as a column of bytes.
 static void describe_flags(Archive& a, std::span<StaticShape> shapes) {
@@ -60,7 +64,7 @@ void StaticShapes::describe(Archive& a, const BodyStore& bodies) {
       a.require(s.owner < bodies.id_count && !(s.alive && s.hidden));
       if (!a.ok() || !(s.alive || s.hidden)) continue;
       alive_ += s.alive;
-      a.require(s.radius >= 0 && s.radius < 1e30f);
+      a.require(s.radius >= 0 && s.radius < 1e30f && is_near(s.p) && is_near(s.q));
       const Place place = s.hidden ? Place::disabled : (s.asleep ? Place::asleep : Place::fixed);
       a.require(bodies.info[s.owner].place == place);
       const BodyKind& kind = bodies.kind(s.owner);
