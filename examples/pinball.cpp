@@ -1,5 +1,5 @@
 // Pinball: flippers are motors on pins with limits, bumpers kick and score by hit events, the ball is a bullet. A script
-// plays three balls. Exits with 1 if the ball leaves the table, a flipper passes its limits, or no bumper is hit.
+// plays nine balls. Exits with 1 if the ball leaves the table, a flipper passes its limits, or no bumper is hit.
 #include <psim/psim.h>
 
 #include <algorithm>
@@ -49,13 +49,13 @@ int main() {
   int balls = 0, score = 0;
   double past = 0;
   bool inside = true;
-  for (int frame = 0; balls <= 3 && frame < 60 * 300; ++frame) {
+  for (int frame = 0; balls <= 9 && frame < 60 * 300; ++frame) {
     const psim::BodyState b = *world->body(ball);
     inside = inside && std::fabs(b.x) < 0.5 && b.y > 0 && b.y < 2;
     if (b.y < 0.1) {  // lost, or not yet played
       if (balls++ > 0) std::printf("ball %d is lost after %.1f s, score %d\n", balls - 1, frame / 60.0, score);
       world->set_transform(ball, {0.45, 0.6}, 0);
-      world->set_velocity(ball, {-0.2, 2.9 + 0.1 * balls}, 0);
+      world->set_velocity(ball, {-0.2, 3 + 0.1 * (balls % 4)}, 0);
     }
     for (int k = 0; k < 2; ++k) {  // the player hammers on the button while the ball is near
       const double from_middle = b.x * kSides[k];
