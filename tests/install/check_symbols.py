@@ -43,7 +43,7 @@ for symbol in sorted(shown):
 # Members whose C function has another name; none for those that C cannot or need not call.
 renamed = {"World": None, "~World": "psim_world_destroy", "published": "psim_world_state",
            "desc": "psim_world_get_desc", "measure_costs": "psim_measure_costs",
-           "write_bytes": None, "read_bytes": None, "out_of_memory": None}  # the last is a code there
+           "pre_solve": None, "write_bytes": None, "read_bytes": None, "out_of_memory": None}  # the last is a code there
 for symbol in sorted(shown):
     if symbol.startswith("psim::World::"):
         member = re.sub(r"\[abi:\w+\]", "", symbol).split("(")[0].removeprefix("psim::World::")

@@ -65,7 +65,8 @@ void Decisions::keep_seen(const BodyStore& bodies) {
 void Decisions::add(std::span<const Decision> decided) {
   const auto old = static_cast<std::ptrdiff_t>(list_.size());
   list_.insert(list_.end(), decided.begin(), decided.end());
-  std::ranges::inplace_merge(list_, list_.begin() + old, {}, &Decision::name);
+  const auto by_name = [](const Decision& x, const Decision& y) { return x.name < y.name; };
+  std::inplace_merge(list_.begin(), list_.begin() + old, list_.end(), by_name);
 }
 
 void Decisions::forget(std::uint32_t id) {
