@@ -81,7 +81,7 @@ inline bool change(World& w, std::uint32_t index) {
 }
 
 inline bool change_part(World& w, std::uint32_t index) {
-  PartTraits t = *w.part_traits(nth(w, index), 0);
+  PartTraits t = w.part_traits(nth(w, index), 0).value_or(PartTraits{});
   t.friction = 0.75;
   t.pre_solve = true;
   return w.set_part_traits(nth(w, index), 0, t);
