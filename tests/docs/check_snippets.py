@@ -31,10 +31,14 @@ void use(psim::BodyId);
 void use(psim::BodyId, psim::Vec2, psim::Vec2);
 void spark(psim::Vec2, psim::Vec2);
 void play_sound(psim::Vec2, double);
+bool has_key(psim::BodyId);
+void draw(const psim::ShapePart&);
+void push_out(psim::Vec2, double);
 struct Game {{
   psim::WorldDesc desc;
   double dt = 1.0 / 60, due_s = 0, frame_s = 0, stick = 0;
   bool jump = false;
+  psim::BodyId id;
   std::unique_ptr<psim::World> world;
   void frame();
 }};
