@@ -346,6 +346,25 @@ TEST(PreSolve, TraitsTurnItOnAndOff) {
   EXPECT_EQ(shown, 1);
 }
 
+// What was decided of a contact ends when nobody asks any more.
+TEST(PreSolve, DecisionsEndWithTheTrait) {
+  auto world = make(still_sky());
+  const BodyId floor = add(*world, asking(bouncing(fixed(box({0, -1}, 80, 2)), 0, 0.9)));
+  BodyDesc body = box({-30, 0.5}, 1, 1, material(0, 0.9));
+  body.velocity = {3, 0};
+  const BodyId slides = add(*world, body);
+  world->set_pre_solve([](std::span<NewContact> contacts) {
+    for (NewContact& c : contacts) c.friction = 0;
+  });
+  run(*world, 60);
+  EXPECT_NEAR(state(*world, slides).vx, 3, 1e-4);
+  BodyTraits traits = *world->traits(floor);
+  traits.pre_solve = false;
+  ASSERT_TRUE(world->set_traits(floor, traits));
+  run(*world, 60);
+  EXPECT_NEAR(state(*world, slides).vx, 0, 1e-4);
+}
+
 // A state holds what was decided, and a recording what the host answered.
 TEST(PreSolve, StatesAndRecordings) {
   for (const bool governed : {false, true}) {

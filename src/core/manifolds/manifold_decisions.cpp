@@ -122,8 +122,14 @@ void Manifolds::ask(const PreSolve& pre_solve) {
   std::vector<Fresh> fresh;
   for (std::uint32_t k = 0; k < pairs_.size(); ++k) {
     ManifoldPair& pair = pairs_[k];
-    if (pair.moved || pair.crossing == ManifoldPair::kUnknown || !asks(pair)) continue;
+    if (pair.moved || pair.crossing == ManifoldPair::kUnknown) continue;
     const ContactName name = name_of(pair, s_.statics);
+    if (!asks(pair)) {  // any more: the next step looks at it anew
+      if (decisions_.find(name) == nullptr) continue;
+      pair.crossing = ManifoldPair::kUnknown;
+      pair.margin = -1;
+      continue;
+    }
     const bool known = decisions_.see(name);
     if (pair.crossing == ManifoldPair::kNew && (known || pair.active)) fresh.push_back({name, k});
   }

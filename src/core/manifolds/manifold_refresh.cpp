@@ -162,7 +162,8 @@ void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::si
     });
   }
   const auto last_of_strip = [&](const Cut& c) { return c.end == begin_[c.strip + 1]; };
-  const bool at_end = any_kinematic_ || params.asking;  // strips are finished once all pairs were looked at
+  const bool decides = params.asking || !decisions_.empty();
+  const bool at_end = any_kinematic_ || decides;  // strips are finished once all pairs were looked at
   const auto whole = [&](const Cut& c) { return !at_end && c.begin == begin_[c.strip] && last_of_strip(c); };
   s_.pool.run(end - begin, [&](std::size_t n) {
     Cut& c = cuts_[begin + n];
@@ -170,7 +171,7 @@ void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::si
     if (whole(c)) finish_strip(params, c.strip);
   });
   if (at_end && end == cuts_.size()) {
-    if (params.asking) ask(*params.pre_solve);
+    if (decides) ask(*params.pre_solve);
     if (any_kinematic_) see_all_ground(params);
     for (const Cut& c : cuts_) {
       if (last_of_strip(c)) finish_strip(params, c.strip);
