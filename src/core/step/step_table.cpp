@@ -142,6 +142,7 @@ void gather(StepContext& c, const Span&, StepReport&, PieceRange) {
   c.contacts.manifolds.begin_collect(
       {c.plan.filters, c.walls, broad.margin(), broad.ahead(), c.plan.surfaces, c.population.traits.wall_special},
       c.neighbours.table, c.neighbours.stale);
+  if (c.joints.empty()) return;
   for (const std::uint32_t id : c.joints.bodies()) {
     const bool moves = !is_world(id) && c.bodies.info[id].place == Place::moving;
     if (moves) c.contacts.manifolds.note_tied(c.bodies.info[id].slot);
