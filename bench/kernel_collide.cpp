@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "collide/collide.h"
+#include "collide/collide_batch.h"
 #include "fixtures.h"
-#include "manifolds/collide.h"
-#include "manifolds/collide_batch.h"
 #include "workload.h"
 
 namespace psim::bench {

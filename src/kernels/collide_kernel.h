@@ -1,7 +1,7 @@
 // Contacts of two hulls, a pair a lane: separating axes and clipping. Both sides of a branch are computed and one is
 // selected, so that a lane has the bits that collide() gives its pair, whatever pairs lie beside it. What is rare
 // (cores deep in each other, outlines that floats cannot tell apart) is not worth the lanes' time: `hard` names those
-// pairs, and the caller asks collide(). It is in src/core/manifolds/collide.cpp, which takes one pair at a time of any
+// pairs, and the caller asks collide(). It is in src/core/collide/collide.cpp, which takes one pair at a time of any
 // numbers of vertices, uses the functions below with one lane, and does all else operation by operation as here.
 //
 // kA, kB: vertices of the hulls, 2 (segment, capsule) or 4 (box, any quadrilateral).
@@ -121,7 +121,8 @@ struct LanePair {
   LaneCore<L, kB> b;
   Vec<L> frame, d;  // rotation of A; from the centre of A to that of B, world axes
   F<L> margin, size, noise;
-  M<L> out;  // too far apart
+  M<L> out;    // too far apart
+  F<L> apart;  // the gap of two circles around the hulls
 };
 
 template <class L, int kA, int kB>
@@ -138,6 +139,7 @@ PSIM_INLINE inline LanePair<L, kA, kB> load_pair(const HullPairs& c, std::uint32
   p.noise = kLengthNoise * both_reach;
   const F<L> whole = both_reach + p.margin;
   p.out = whole * whole < dot(p.d, p.d);
+  p.apart = sqrt(dot(p.d, p.d)) - both_reach;
   const Vec<L> back = unrotate(p.frame, p.d);
   for (Vec<L>& v : p.a.vertex) v = v - back;
   const Vec<L> q{p.frame.x * qb.x + p.frame.y * qb.y, p.frame.x * qb.y - p.frame.y * qb.x};
@@ -302,11 +304,12 @@ void collide_hulls(HullPairs* blocks, std::uint32_t begin, std::uint32_t end) {
     c->has[0] = c->has[1] = c->hard = 0;
     for (std::uint32_t k = 0; k < kBlock; k += L::width) {
       auto p = load_pair<L, kA, kB>(*c, k);
-      const F<L> reach = p.a.radius + p.b.radius + p.margin;
+      const F<L> radii = p.a.radius + p.b.radius, reach = radii + p.margin;
       const auto of_a = best_axis(p.a, p.b);
-      p.out = p.out | (reach < of_a.separation);
       const auto of_b = best_axis(p.b, p.a);
-      p.out = p.out | (reach < of_b.separation);
+      const F<L> most = max(of_a.separation, of_b.separation);
+      L::store(c->apart + k, select(p.out, p.apart, most - radii));
+      p.out = p.out | (reach < most);
       if (all(p.out)) {
         L::store(c->nx + k, zero);
         L::store(c->ny + k, zero);
@@ -322,7 +325,7 @@ void collide_hulls(HullPairs* blocks, std::uint32_t begin, std::uint32_t end) {
       find_facing(p, e);
       const auto clip = clip_edge<L>(e, select(e.use_b, kA, kB));
 
-      const F<L> most = max(of_a.separation, of_b.separation), least = min(clip.h[0], clip.h[1]);
+      const F<L> least = min(clip.h[0], clip.h[1]);
       const M<L> on_face =
           but_not((least <= most + p.noise) & ((most <= p.noise) | (most - p.noise <= least)), clip.empty);
       // Not on A's face: on that of B, if B's axis is the better one by a hair; deep in each other; or
@@ -381,7 +384,9 @@ void collide_discs(HullPairs* blocks, std::uint32_t begin, std::uint32_t end) {
         last = select(better, hull.vertex[(j + 1) % kN], last);
         edge = select(better, static_cast<float>(j), edge);
       }
-      out = out | (radius + margin < distance);
+      const M<L> beyond = radius + margin < distance;
+      const F<L> clear = select(out, sqrt(dot(d, d)) - (hull.reach + disc.reach), distance - radius);
+      out = out | beyond;
       distance = half * (distance + dot(normal, v - last));
       const Vec<L> from_first = v - first, from_last = v - last;
       const auto across = [&](Vec<L> from, F<L>& along, F<L>& over) {
@@ -404,6 +409,7 @@ void collide_discs(HullPairs* blocks, std::uint32_t begin, std::uint32_t end) {
       const F<L> feature = select(at_corner, feature_of<L>(2, corner, zero), feature_of<L>(zero, edge, zero));
       const F<L> gap = distance - radius;
       const M<L> near = but_not(gap <= margin, out);
+      L::store(c->apart + k, select(out, clear, gap));
       n = rotate(frame, n);
       const F<L> deep = disc.radius + half * gap;
       store_point<L>(c->point[0], k, arm - deep * n, d, gap, feature);

@@ -21,6 +21,7 @@ struct alignas(kAlign) HullPairs {
   float margin[kBlock];          ///< m: points further apart are left out
 
   float nx[kBlock], ny[kBlock];  ///< from A to B
+  float apart[kBlock];           ///< m: of a lane without points: its hulls have no smaller gap, but for rounding
   struct Point {
     float ax[kBlock], ay[kBlock];  ///< m: arm of A, world axes
     float bx[kBlock], by[kBlock];  ///< m: arm of B

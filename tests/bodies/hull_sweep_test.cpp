@@ -4,8 +4,8 @@
 #include <cmath>
 #include <random>
 
+#include "collide/collide.h"
 #include "hull_oracle.h"
-#include "manifolds/collide.h"
 
 namespace psim::hull_oracle {
 namespace {

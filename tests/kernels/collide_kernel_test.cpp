@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "collide/collide_batch.h"
 #include "kernel_support.h"
-#include "manifolds/collide_batch.h"
 
 namespace psim::test {
 namespace {
@@ -147,6 +147,7 @@ bool same_bits(float a, float b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 std::string difference(const Manifold& m, const Manifold& n) {
   if (m.count != n.count) return "count " + std::to_string(m.count) + " " + std::to_string(n.count);
   if (!same_bits(m.nx, n.nx) || !same_bits(m.ny, n.ny)) return "normal";
+  if (m.count == 0 && !same_bits(m.point[0].gap, n.point[0].gap)) return "bound of the gap";
   for (int k = 0; k < m.count; ++k) {
     const ManifoldPoint &p = m.point[k], &q = n.point[k];
     if (p.feature != q.feature) {
@@ -163,6 +164,7 @@ Manifold of_lane(const HullPairs& c, std::uint32_t l) {
   Manifold m;
   m.nx = c.nx[l];
   m.ny = c.ny[l];
+  if ((c.has[0] >> l & 1) == 0) m.point[0].gap = c.apart[l];
   for (int k = 0; k < 2 && (c.has[k] >> l & 1) != 0; ++k) {
     const HullPairs::Point& p = c.point[k];
     m.point[m.count++] = {p.ax[l], p.ay[l], p.bx[l], p.by[l], p.gap[l], static_cast<std::uint16_t>(p.feature[l])};

@@ -2,7 +2,7 @@
 #include "manifolds/part_search.h"
 
 #include "bodies/population.h"
-#include "manifolds/collide.h"
+#include "collide/collide.h"
 #include "rigid_support.h"
 
 namespace psim::test {
@@ -29,7 +29,7 @@ struct Setting {
       slots.push_back(i);
     }
     std::copy_n(bodies.pos.data(), 2 * std::size_t{bodies.count}, bodies.built.data());
-    search.note(slots, margin, 0);
+    search.note(slots, margin, 0, true);
     search.prepare();
   }
 

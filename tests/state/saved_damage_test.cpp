@@ -151,13 +151,15 @@ TEST(SavedDamage, WrongNumbersOfScenesAreRefusedOrServed) {
       const std::size_t at = kHeader + random.below(bad.size() - kHeader - 4);
       const std::uint32_t values[] = {0,          1,          0x7FFFFFFF,
                                       0xFFFFFFFF, 0x7F800000, static_cast<std::uint32_t>(random.below(1000))};
-      std::memcpy(bad.data() + at, &values[random.below(6)], 4);
+      const std::uint32_t value = values[random.below(6)];
+      std::memcpy(bad.data() + at, &value, 4);
       std::string error;
       const auto other = World::from_state(repaired(bad), {}, error);
       ++(other ? served : refused);
       if (!other) continue;
       run(*other, 3);
-      ASSERT_EQ(fuzz::broken_promise(*other), "") << of.name << ", byte " << at;
+      ASSERT_EQ(fuzz::broken_promise(*other), "")
+          << of.name << ", byte " << at << " of " << bad.size() << ": " << value;
     }
   }
   EXPECT_GT(8 * served, served + refused);  // both happen: neither to fewer than one in eight

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "manifolds/collide.h"
+#include "collide/collide.h"
 
 namespace psim::hull_oracle {
 

@@ -20,7 +20,7 @@ constexpr std::size_t kPairsABody = 8;  // most pairs a renewed body, on average
 
 }  // namespace
 
-bool ListRenewal::find(float time) {
+bool ListRenewal::find(float time, std::span<const std::uint32_t> others) {
   const std::uint32_t most = b_.count / kShare;
   const auto beyond = broad_.beyond_margins(time);
   const auto px = static_cast<float>(s_.lattice.pitch_x()), py = static_cast<float>(s_.lattice.pitch_y());
@@ -45,11 +45,12 @@ bool ListRenewal::find(float time) {
       }
     }
   });
-  found_.resize(too_many() ? 0 : count.load());
-  time_ = time;
   known_ = true;
-  if (too_many()) return false;
+  found_.resize(too_many() ? 0 : count.load());
+  if (too_many() || others.size() > most) return false;
+  found_.insert(found_.end(), others.begin(), others.end());
   sort_keys(found_.begin(), found_.end());
+  found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
   const auto is_new = [&](std::uint32_t slot) { return renewed_.empty() || mark_[slot] == kListed; };
   return renewed_.size() + static_cast<std::size_t>(std::ranges::count_if(found_, is_new)) <= most;
 }

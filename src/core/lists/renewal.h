@@ -8,6 +8,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "bodies/surroundings.h"
@@ -27,11 +28,13 @@ class ListRenewal {
   /// are a single job of every pass.
   static constexpr std::uint32_t kShare = 32;
 
-  /// Finds the bodies whose margin does not last for `time` seconds more. False if too many bodies are renewed, those
-  /// of before included. O(bodies).
-  bool find(float time);
-  /// Finds them again if velocities may have changed since.
-  bool find_again() { return known_ || find(time_); }
+  /// Finds the bodies whose margin does not last for `time` seconds more, and takes the bodies in `others` (slots,
+  /// ascending) with them. False if too many bodies are renewed, those of before included. O(bodies).
+  bool find(float time, std::span<const std::uint32_t> others);
+  /// Whether they were found, and velocities have not changed since.
+  bool known() const { return known_; }
+  /// Those that were found: slots, ascending.
+  std::span<const std::uint32_t> bodies() const { return found_; }
   bool any() const { return known_ && !found_.empty(); }
   std::uint32_t count() const { return static_cast<std::uint32_t>(found_.size()); }
   /// Discards what find() found, because velocities may have changed.
@@ -109,7 +112,7 @@ class ListRenewal {
   std::vector<Scratch> scratch_;              // by job
   std::vector<StaticPair> near_;              // pairs with fixed shapes of all found bodies
   std::vector<std::uint32_t> statics_;
-  float time_ = 0, most_ = 0;  // s; m: largest reach of a renewed body
+  float most_ = 0;  // m: largest reach of a renewed body
   bool known_ = false, statics_changed_ = false;
 };
 

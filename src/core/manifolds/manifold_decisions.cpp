@@ -38,7 +38,7 @@ void apply(const Decision& d, ManifoldPair& pair) {
   pair.changed = true;
   if (!d.through) return;
   pair.manifold.count = 0;
-  pair.active = pair.ahead = pair.landing = pair.rocking = pair.flying = false;
+  pair.active = pair.ahead = pair.landing = pair.rocking = pair.flying = pair.lasting = false;
   pair.roll = 0;
 }
 

@@ -9,9 +9,9 @@
 
 #include "base/elementary.h"
 #include "base/rotor.h"
+#include "collide/collide_batch.h"
 #include "contacts/contact_model.h"
 #include "contacts/edge_contact.h"
-#include "manifolds/collide_batch.h"
 #include "manifolds/manifolds.h"
 
 namespace psim {
@@ -25,8 +25,9 @@ inline constexpr float kNearby = 0.02f;   // contacts are looked for up to this 
 inline constexpr float kApart = 0.0005f;  // share of the inner radius: bodies with a larger gap are apart
 inline constexpr float kFallen = 0.1f;    // at most this share counts as a gap that gravity closes within the step
 inline constexpr float kPlaced =
-    0.2f;                              // bodies that are put on each other have no more than this way to go in the step
-inline constexpr float kStep = 0.02f;  // a piece counts as below a plane if it stands out of it by no more than this
+    0.2f;  // bodies that are put on each other have no more than this way to go in the step
+inline constexpr float kUnsure = 1e-5f;   // share of the sizes of two hulls: what rounding may make of their gap
+inline constexpr float kStep = 0.02f;     // a piece counts as below a plane if it stands out of it by no more than this
 inline constexpr float kAlike = 0.9999f;  // normals with a larger cosine between them count as equal
 inline constexpr auto kAheadFrames =
     static_cast<float>(kMarginFrames);  // of motion within which contacts are looked for
@@ -77,6 +78,12 @@ struct Manifolds::Look {
     return b.hulls[b.kind(b.id[slot]).first_hull + part];
   }
 
+  // No less than the way of a point at a distance of one when it turns from one rotation to another by any angle.
+  static float most_swung(Rotor to, Rotor from) {
+    const float c = from.c * to.c + from.s * to.s, s = from.c * to.s - from.s * to.c;
+    return c > 0 ? 1.42f * std::fabs(s) : 2.0f;  // twice the sine of half the angle
+  }
+
   // Whether the manifold of a pair still holds. If so, its gaps are computed anew. Fills in how the pair stands.
   bool lasts(ManifoldPair& pair, Stand& now) const {
     const bool fixed = pair.of_piece();
@@ -107,11 +114,17 @@ struct Manifolds::Look {
     }
     now.rim = rim_speed;
     const float closing = now.closing = std::sqrt(now.vx * now.vx + now.vy * now.vy) + rim_speed + g * dt;
-    now.wanted = kNearby * now.inner + kAheadFrames * dt * closing;
+    now.wanted = wanted_of(now.inner, dt, closing);
 
     const auto turned = [](Rotor to, Rotor from) { return std::fabs(from.c * to.s - from.s * to.c); };
-    const float moved = std::sqrt(move_x * move_x + move_y * move_y) + b.radius[j] * turned(now.qb, pair.turn_b) +
-                        (fixed ? 0.0f : b.radius[i] * turned(now.qa, pair.turn_a));
+    const float gone = std::sqrt(move_x * move_x + move_y * move_y);
+    const float moved =
+        gone + b.radius[j] * turned(now.qb, pair.turn_b) + (fixed ? 0.0f : b.radius[i] * turned(now.qa, pair.turn_a));
+    if (pair.is_apart()) {
+      const float swung = b.radius[j] * most_swung(now.qb, pair.turn_b) +
+                          (fixed ? 0.0f : b.radius[i] * most_swung(now.qa, pair.turn_a));
+      if (margin_of(now) + gone + swung <= pair.gap[0]) return true;
+    }
     const bool serves = pair.margin >= 0 && now.wanted + moved <= pair.margin && moved < kLasting * now.inner;
     if (!serves || pair.of_floor() || (!pair.lasting && pair.manifold.count != 0)) return false;
     const Manifold& m = pair.manifold;
@@ -132,10 +145,16 @@ struct Manifolds::Look {
     return true;
   }
 
+  // Points are looked for up to this gap, m.
+  static float margin_of(float inner, float wanted) { return wanted + 2 * kLasting * inner; }
+  static float margin_of(const Stand& now) { return margin_of(now.inner, now.wanted); }
+  // Bodies with a smaller gap may touch within a step in which points of theirs come together at most so fast, m/s.
+  static float wanted_of(float inner, float dt, float closing) { return kNearby * inner + kAheadFrames * dt * closing; }
+
   // Looks at the hulls of a pair: at once, or together with others of its kind.
   void find(ManifoldPair& pair, const Stand& now, Waiting* waiting, Looks& looks) const {
     const std::size_t j = pair.b;
-    const float margin = now.wanted + 2 * kLasting * now.inner;
+    const float margin = margin_of(now);
     std::optional<Hull> own_a, own_b;
     const Hull& hull_b = hull_of(j, pair.part_b, own_b);
     pair.round_b = hull_b.radius;
@@ -186,7 +205,7 @@ struct Manifolds::Look {
 
   // Puts a manifold that was found into its pair.
   void take(ManifoldPair& pair, const Stand& now, const Manifold& found, const Hull* a, const Hull& hull_b) const {
-    const float margin = now.wanted + 2 * kLasting * now.inner;
+    const float margin = margin_of(now);
     const Manifold old = pair.manifold;
     pair.manifold = found;
     if (pair.fixed_a && a != nullptr && a->count == 2 && found.count != 0) {
@@ -203,6 +222,13 @@ struct Manifolds::Look {
     // The manifold of a rolling body does not last, since its normal turns in every step.
     const Manifold& m = pair.manifold;
     pair.lasting = m.count == 2 || (pair.round_a == 0 && pair.round_b == 0);
+    if (found.count == 0) {
+      // Of a piece of fixed geometry only what is near was looked at.
+      const float far = pair.of_piece() ? 2 * hull_b.reach : kNoGap;
+      const float gap = std::min(found.point[0].gap, far), sizes = hull_b.reach + (a != nullptr ? a->reach : 0.0f);
+      pair.gap[0] = gap - kUnsure * (std::fabs(gap) + sizes);
+    }
+    if (m.count == 0) pair.lasting = found.count == 0;
     float impulse[2] = {}, friction[2] = {};
     for (int k = 0; k < m.count; ++k) {
       pair.gap[k] = m.point[k].gap;

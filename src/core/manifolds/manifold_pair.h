@@ -8,7 +8,7 @@
 #include "bodies/body_store.h"
 #include "bodies/static_shapes.h"
 #include "bodies/surroundings.h"
-#include "manifolds/collide.h"
+#include "collide/collide.h"
 
 namespace psim {
 
@@ -49,7 +49,7 @@ struct ManifoldPair : PairName {
   LatticePoint base;  ///< from A (or 0) to B
   Rotor turn_a, turn_b;
   float margin = -1;  ///< m: gaps up to here were found; < 0: the hulls were never looked at
-  float gap[2] = {};  ///< m, now
+  float gap[2] = {};  ///< m, now; of a pair that is apart, a bound of what it was when the hulls were looked at
   float impulse[2] = {}, friction[2] = {};
   float round_a = 0, round_b = 0;  ///< m: the radii around the two hulls
   float roll = 0;                  ///< N m s, on B: of the torque against rolling
@@ -59,7 +59,7 @@ struct ManifoldPair : PairName {
   bool ghost = false;              ///< it lies below the plane on which the body rests: no contact
   bool landing = false;            ///< the bodies turn, are apart, and may meet within the step
   bool rocking = false;  ///< it is open in one of two points, much nearer in the other one, and its bodies turn
-  bool lasting = false;  ///< the manifold may be kept while bodies move little
+  bool lasting = false;  ///< the manifold may be kept while bodies move little; without points: it was found so
   bool changed = true;   ///< it changed since it was written into its lane
   /// Whether the pair is in a stack that stands on a moving body, in one on fixed ground, or in none.
   enum StackRole : std::uint8_t { kNoStack, kOnMoving, kOnFixed };
@@ -87,6 +87,9 @@ struct ManifoldPair : PairName {
   static constexpr float kUnbalanced = -1, kBalanced = 0;
   float balanced = kBalanced;  ///< the compliance for which the offsets were found
 
+  /// Whether the hulls were looked at and have no smaller gap than gap[0], so that they need not be looked at again until
+  /// they have moved by as much.
+  bool is_apart() const { return margin >= 0 && manifold.count == 0 && lasting; }
   /// Whether its manifold is that of a floor of several pieces.
   bool of_floor() const { return manifold.count == 2 && (manifold.point[1].feature & kOfAnotherPiece) != 0; }
   /// m, of a pair that has points.

@@ -1,8 +1,9 @@
 // Decides which pairs are manifolds, and takes them out of the lists that the broad phase made for all bodies.
 #include <algorithm>
 
-#include "compiler.h"
-#include "manifolds/manifolds.h"
+#include "base/tasks.h"
+
+#include "manifolds/manifold_sorter.h"
 
 namespace psim {
 namespace {
@@ -83,156 +84,12 @@ void Manifolds::spare(std::size_t pairs, std::size_t strips) {
   }
 }
 
-// Decides which pairs leave the lists: those that must not collide, and the manifolds, which go to `out`.
-struct Manifolds::Sorter {
-  const Manifolds& m;
-  const Joined* joined;
-  const std::vector<ManifoldPair>& known;  // the pairs of the index
-  std::vector<FoundPair>& out;
-  mutable std::vector<std::uint32_t> near_a = {}, near_b = {};  // scratch
-  const BodyStore& b = m.s_.bodies;
-  const StaticShapes& statics = m.s_.statics;
-
-  bool leaves(std::uint32_t i, std::uint32_t j) const {
-    const int kinds = m.kind_[i] | m.kind_[j];
-    if ((kinds & ~kTied) == 0 && joined == nullptr) return false;
-    if (!collide_at_all(i, j)) return true;
-    return (kinds & kShape) != 0 && note(i, j);
-  }
-
-  bool leaves(const StaticPair& pair) const {
-    const std::uint8_t kind = m.kind_[pair.body];
-    // Contacts of shapes alone know special surfaces.
-    const bool special = pair.shape < kWallLeft ? statics[pair.shape].special : m.wall_special_;
-    const bool shape = (kind & kShape) != 0 || special;
-    if ((kind & kKinematic) != 0 && shape) return true;
-    if (pair.shape < kWallLeft) {
-      const StaticShape& piece = statics[pair.shape];
-      const std::uint32_t id = b.id[pair.body];
-      if (shape ? piece.face : piece.whole) return true;
-      if (m.any_filter_ && (kind & kParts) == 0 && !b.collide(b.kind(id), 0, b.kind(piece.owner), piece.part))
-        return true;
-      if (joined != nullptr && (*joined)(id, piece.owner)) return true;
-    }
-    return shape && note(pair);
-  }
-
- private:
-  bool collide_at_all(std::uint32_t i, std::uint32_t j) const {
-    const std::uint32_t id = b.id[i], other = b.id[j];
-    const int kinds = m.kind_[i] | m.kind_[j];
-    if ((kinds & (kFiltered | kSensor)) != 0 && !b.may_collide(b.kind(id), b.kind(other))) return false;
-    if ((m.kind_[i] & m.kind_[j] & kKinematic) != 0) return false;  // neither body can be moved
-    return joined == nullptr || !(*joined)(id, other);
-  }
-
-  // Adds the manifolds of a pair, one for each two of its parts. The first is made in place, since a copy would wait for
-  // what was just written.
-  template <class... Sides>
-  bool note(const Sides&... sides) const {
-    FoundPair& first = out.emplace_back();
-    name(sides..., first);
-    const std::uint32_t parts_a = first.of_piece() ? 1 : parts(first.a), parts_b = parts(first.b);
-    if (parts_a == 1 && parts_b == 1) {
-      if (have_parts(first) && !collide(first)) {
-        out.pop_back();
-        return true;
-      }
-      first.before = m.index_.find(first, known);
-      return true;
-    }
-    FoundPair pair = first;
-    out.pop_back();
-    const auto add = [&](std::uint32_t part_a, std::uint32_t part_b) {
-      pair.part_a = part_a;
-      pair.part_b = part_b;
-      if (have_parts(pair) && !collide(pair)) return;
-      pair.before = m.index_.find(pair, known);
-      out.push_back(pair);
-    };
-    each_near(pair, parts_a, parts_b, sides..., add);
-    return true;
-  }
-
-  // Whether a body of a pair has parts that may differ.
-  PSIM_INLINE bool have_parts(const PairName& pair) const {
-    return ((m.kind_[pair.b] | (pair.of_piece() ? 0 : m.kind_[pair.a])) & kParts) != 0;
-  }
-
-  // Whether two parts collide, of such bodies. Walls hold bodies that are nothing but sensors, which would fall out of
-  // the world, but no sensor that is a part of a body.
-  bool collide(const PairName& pair) const {
-    const BodyKind& kind = b.kind(pair.id_b);
-    if (pair.of_wall()) return kind.sensor || !b.is_sensor(kind, pair.part_b);
-    const std::uint32_t part_a = pair.of_piece() ? statics[pair.shape].part : pair.part_a;
-    return b.collide(b.kind(pair.id_a), part_a, kind, pair.part_b);
-  }
-
-  // Calls add(part of A, part of B) for the parts of a body and a fixed piece that may meet, in order.
-  template <class Add>
-  void each_near(const PairName& pair, std::uint32_t, std::uint32_t parts_b, const StaticPair& of,
-                 const Add& add) const {
-    if (!m.parts_.has(pair.b)) {
-      for (std::uint32_t b = 0; b < parts_b; ++b) add(0, b);
-      return;
-    }
-    near_b.clear();
-    m.parts_.near_piece(of, m.walls_, near_b);
-    for (const std::uint32_t b : near_b) add(0, b);
-  }
-  // The same for two bodies.
-  template <class Add>
-  void each_near(const PairName& pair, std::uint32_t parts_a, std::uint32_t parts_b, std::uint32_t, std::uint32_t,
-                 const Add& add) const {
-    const bool many_a = m.parts_.has(pair.a), many_b = m.parts_.has(pair.b);
-    near_a.clear();
-    near_b.clear();
-    if (many_a) {
-      m.parts_.near_body(pair.a, pair.b, near_a);
-    } else {
-      for (std::uint32_t a = 0; a < parts_a; ++a) near_a.push_back(a);
-    }
-    if (many_b && !many_a) m.parts_.near_body(pair.b, pair.a, near_b);
-    for (std::uint32_t b = 0; !many_b && b < parts_b; ++b) near_b.push_back(b);
-    for (const std::uint32_t a : near_a) {
-      if (many_a && many_b) {
-        near_b.clear();
-        m.parts_.near_part(pair.b, pair.a, a, near_b);
-      }
-      for (const std::uint32_t b : near_b) add(a, b);
-    }
-  }
-
-  PSIM_INLINE std::uint32_t parts(std::uint32_t slot) const {
-    return m.has_corners(slot) ? std::max(1u, b.kind(b.id[slot]).hull_count) : 1u;
-  }
-
-  void name(std::uint32_t i, std::uint32_t j, PairName& pair) const {
-    const bool held_i = (m.kind_[i] & kKinematic) != 0, held_j = (m.kind_[j] & kKinematic) != 0;
-    const bool swap = held_i != held_j ? held_j : b.id[j] < b.id[i];
-    pair.a = swap ? j : i;
-    pair.b = swap ? i : j;
-    pair.id_a = b.id[pair.a];
-    pair.id_b = b.id[pair.b];
-    pair.fixed_a = held_i || held_j;
-    pair.owner = b.radius[pair.b] <= b.radius[pair.a] ? pair.id_b : pair.id_a;
-  }
-
-  void name(const StaticPair& static_pair, PairName& pair) const {
-    pair.b = static_pair.body;
-    pair.id_b = b.id[static_pair.body];
-    pair.shape = static_pair.shape;
-    pair.id_a = pair.shape >= kWallLeft ? PairName::kNone : statics[pair.shape].owner;
-    pair.fixed_a = true;
-    // A body that hits a wall of sleepers may have hundreds of such pairs; each sleeper has few.
-    pair.owner = pair.of_sleeper(statics) ? pair.id_a : pair.id_b;
-  }
-};
-
 void Manifolds::begin_collect(const CollectSettings& settings, const PairTable& table, bool sorted) {
   const BodyStore& b = s_.bodies;
   keep_impulses();
   any_filter_ = settings.any_filter;
+  step_ = settings.step;
+  gravity_ = kernels::snapped(length_of(settings.gravity));
   wall_special_ = settings.wall_special;
   walls_ = settings.walls;
   const std::size_t strips = table.strips.size(), slots = kernels::round_up_block(b.count);
@@ -255,9 +112,15 @@ void Manifolds::begin_collect(const CollectSettings& settings, const PairTable& 
                                            (held ? kKinematic : 0));
       if (shape) shaped_.push_back(i);
     }
-    parts_.note(shaped_, settings.margin, settings.ahead);
+    parts_.note(shaped_, settings.margin, settings.ahead, step_ == 0);
+    boxed_ = false;
   }
   parts_.prepare();
+  if (step_ > 0) {
+    box_shapes();
+  } else {
+    box_parts();
+  }
   new_pairs_ = 0;
   old_pairs_.swap(pairs_);
   both_ = collecting_ = true;
@@ -270,6 +133,29 @@ void Manifolds::begin_collect(const CollectSettings& settings, const PairTable& 
     special_[s] =
         settings.surfaces || std::ranges::any_of(kinds, [](std::uint8_t kind) { return (kind & ~kTied) != kDisc; });
   }
+}
+
+// Finds the boxes of all shapes as they lie now.
+void Manifolds::box_shapes() {
+  if (!boxed_) {
+    boxes_.begin(kernels::round_up_block(s_.bodies.count));
+    for (const std::uint32_t slot : shaped_) boxes_.add(slot);
+  }
+  boxed_ = true;
+  turn_shapes(true);
+}
+
+// Finds the boxes of the bodies of a few parts as the lists know them.
+void Manifolds::box_parts() {
+  if (boxed_ || parts_.few().empty()) return;
+  boxes_.begin(kernels::round_up_block(s_.bodies.count));
+  for (const PartSearch::Noted& n : parts_.few()) boxes_.add(n.slot);
+  constexpr std::size_t kBodies = 1024;  // a job
+  run_each(parts_.few().size(), kBodies, s_.pool, [&](std::size_t k, std::size_t) {
+    const PartSearch::Noted& n = parts_.few()[k];
+    boxes_.place(n.slot, rotor_of(n.angle), n.turn);
+  });
+  boxed_ = true;
 }
 
 // The pairs of a strip that stay in the lists close up.
@@ -366,6 +252,15 @@ std::uint64_t rank(const PairName& p) {
 }
 
 }  // namespace
+
+void Manifolds::note_renewed(std::span<const std::uint32_t> slots, const kernels::ReachParams& margin) {
+  box_parts();
+  parts_.note_again(slots, margin);
+  for (const std::uint32_t slot : slots) {
+    const PartSearch::Noted* const n = parts_.few_of(slot);
+    if (n != nullptr) boxes_.place(slot, rotor_of(n->angle), n->turn);
+  }
+}
 
 void Manifolds::sort_out_renewed(const Joined* joined, std::vector<std::uint64_t>& pairs,
                                  std::vector<StaticPair>& near) {

@@ -33,6 +33,7 @@
 #include "lists/pair_table.h"
 #include "manifolds/decisions.h"
 #include "manifolds/manifold_pair.h"
+#include "manifolds/part_boxes.h"
 #include "manifolds/part_search.h"
 #include "psim/desc.h"
 #include "psim/pre_solve.h"
@@ -135,12 +136,16 @@ class Manifolds {
   void sort_out(const Joined* joined, PairTable& table, std::size_t begin, std::size_t end);
   void keep(const TouchMemory& recent, std::size_t begin, std::size_t end);
 
-  /// The lists were made anew for some bodies, `found`, by slot (renewal.h). Of their new pairs and static contacts,
-  /// those of discs stay, and those that are manifolds are noted. O(pairs of `found`), and once O(pairs).
-  void sort_out_renewed(const Joined* joined, std::vector<std::uint64_t>& pairs, std::vector<StaticPair>& near);
-  /// The noted manifolds replace those that these bodies had before. O(manifolds of renewed bodies).
   /// Whether bodies of many parts have not turned too far for the lists, and will not within `time` seconds.
   bool parts_serve(float time) const { return parts_.serve(time); }
+  /// Which bodies of a few parts have, or will have: slots, ascending. Their lists must be made anew.
+  std::span<const std::uint32_t> turned_parts(float time) { return parts_.find_turned(time); }
+  /// The lists were made anew, with such margins, for the bodies in `slots`, ascending (renewal.h).
+  void note_renewed(std::span<const std::uint32_t> slots, const kernels::ReachParams& margin);
+  /// Of the new pairs and static contacts of those, those of discs stay, and those that are manifolds are noted. O(pairs
+  /// of such bodies), and once O(pairs).
+  void sort_out_renewed(const Joined* joined, std::vector<std::uint64_t>& pairs, std::vector<StaticPair>& near);
+  /// The noted manifolds replace those that these bodies had before. O(manifolds of renewed bodies).
   void put_renewed(const std::function<bool(std::uint32_t)>& found);
   /// Whether the pairs of a saved state are those of so many strips, which were made again. In the middle of a step the
   /// last strip may have had more pairs, which are not there yet.
@@ -263,7 +268,9 @@ class Manifolds {
   };
   Closed closed(std::size_t strip) const;
   std::size_t bytes() const;
-  std::size_t column_bytes() const { return kind_.bytes() + rotor_.bytes() + inner_.bytes() + used_.bytes(); }
+  std::size_t column_bytes() const {
+    return kind_.bytes() + rotor_.bytes() + inner_.bytes() + used_.bytes() + boxes_.bytes();
+  }
 
  private:
   // The kind of the body in each slot, for fast tests: a plain disc, or a body to look up.
@@ -303,6 +310,9 @@ class Manifolds {
   void follow_from_pairs();
   void check_strip(Archive& a, std::size_t strip, const ManifoldsAround& around) const;
   void cut();
+  void turn_shapes(bool boxed);
+  void box_shapes();
+  void box_parts();
   void place_pairs(std::size_t strips);
   Looks look(const ManifoldParams& params, std::span<ManifoldPair> pairs) const;
   template <class At>
@@ -366,6 +376,8 @@ class Manifolds {
 
   std::vector<ManifoldPair> pairs_, old_pairs_;
   PartSearch parts_{s_};
+  PartBoxes boxes_{s_};
+  bool boxed_ = false;  // those of the bodies that the lists are for are there
   Decisions decisions_;
   Walls walls_;
   std::vector<std::uint32_t> begin_;  // by strip: the first of its pairs
@@ -391,9 +403,10 @@ class Manifolds {
   Column<std::uint32_t> used_{s_.memory};  // by slot, within a part of the step: what it counts or marks
   std::vector<std::uint32_t> shaped_;      // slots of bodies that are not discs
   Totals totals_;
-  Looks looks_;                  // of the last refresh
-  std::uint64_t new_pairs_ = 0;  // since then
-  float g_ = 0;                  // m/s^2, in this step
+  Looks looks_;                   // of the last refresh
+  std::uint64_t new_pairs_ = 0;   // since then
+  float g_ = 0;                   // m/s^2, in this step
+  float step_ = 0, gravity_ = 0;  // of CollectSettings
   bool any_filter_ = false;
   bool wall_special_ = false;  // the walls run or resist rolling
   bool both_ = false;          // old_pairs_ has the pairs of the last step

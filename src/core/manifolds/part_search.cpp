@@ -5,6 +5,7 @@
 
 #include "base/elementary.h"
 #include "base/rotor.h"
+#include "manifolds/part_boxes.h"
 
 namespace psim {
 namespace {
@@ -103,17 +104,37 @@ bool PartSearch::has_many(std::uint32_t slot) const {
   return b.kinds[properties.kind].hull_count >= (held ? kManyKinematic : kMany);
 }
 
-void PartSearch::note(std::span<const std::uint32_t> slots, const kernels::ReachParams& margin, float ahead) {
+bool PartSearch::has_few(std::uint32_t slot) const {
   const BodyStore& b = s_.bodies;
+  const BodyProperties& properties = b.properties(b.id[slot]);
+  const std::uint32_t parts = b.kinds[properties.kind].hull_count;
+  return properties.type() != BodyType::kinematic_body && parts > 1 && parts <= PartBoxes::kMost;
+}
+
+PartSearch::Noted PartSearch::noted(std::uint32_t slot, const kernels::ReachParams& margin, float ahead) const {
+  const BodyStore& b = s_.bodies;
+  const float rim = b.rim_speed_of(slot), size = b.radius[slot];
+  const float skin = margin.of_radius != 0 ? std::min(margin.of_radius * size, margin.skin) : margin.skin;
+  return {slot, b.angle_of(slot) + static_cast<double>(ahead) * b.omega_of(slot), skin + std::fabs(rim) * margin.time};
+}
+
+void PartSearch::note(std::span<const std::uint32_t> slots, const kernels::ReachParams& margin, float ahead,
+                      bool lasts) {
   wide_.clear();
+  few_.clear();
   common_way_ = length_of({static_cast<double>(margin.common_x), static_cast<double>(margin.common_y)}) *
                 static_cast<double>(margin.time);
   for (const std::uint32_t slot : slots) {
-    if (!has_many(slot)) continue;
-    const float rim = b.rim_speed_of(slot), size = b.radius[slot];
-    const float skin = margin.of_radius != 0 ? std::min(margin.of_radius * size, margin.skin) : margin.skin;
-    wide_.push_back(
-        {slot, b.angle_of(slot) + static_cast<double>(ahead) * b.omega_of(slot), skin + std::fabs(rim) * margin.time});
+    if (has_many(slot)) wide_.push_back(noted(slot, margin, ahead));
+    if (lasts && has_few(slot)) few_.push_back(noted(slot, margin, ahead));
+  }
+}
+
+void PartSearch::note_again(std::span<const std::uint32_t> slots, const kernels::ReachParams& margin) {
+  auto at = few_.begin();
+  for (const std::uint32_t slot : slots) {
+    while (at != few_.end() && at->slot < slot) ++at;
+    if (at != few_.end() && at->slot == slot) *at = noted(slot, margin, 0);
   }
 }
 
@@ -121,23 +142,33 @@ void PartSearch::prepare() {
   const ShapeTable& shapes = s_.bodies.hulls;
   if (of_shapes_ != shapes.changes()) trees_.clear();
   of_shapes_ = shapes.changes();
-  for (const Wide& w : wide_) {
+  for (const Noted& w : wide_) {
     const BodyKind& kind = s_.bodies.kind(s_.bodies.id[w.slot]);
     std::unique_ptr<Tree>& tree = trees_[kind.first_hull];
     if (tree == nullptr) tree = std::make_unique<Tree>(std::span(&shapes[kind.first_hull], kind.hull_count));
   }
 }
 
-bool PartSearch::serve(float time) const {
+bool PartSearch::serves(const Noted& n, float time) const {
   const BodyStore& b = s_.bodies;
-  return std::ranges::all_of(wide_, [&](const Wide& w) {
-    const double turned_by = std::fabs(b.angle_of(w.slot) - w.angle) * static_cast<double>(b.radius[w.slot]);
-    return turned_by + static_cast<double>(std::fabs(b.rim_speed_of(w.slot)) * time) <= static_cast<double>(w.turn);
-  });
+  const double turned_by = std::fabs(b.angle_of(n.slot) - n.angle) * static_cast<double>(b.radius[n.slot]);
+  return turned_by + static_cast<double>(std::fabs(b.rim_speed_of(n.slot)) * time) <= static_cast<double>(n.turn);
+}
+
+bool PartSearch::serve(float time) const {
+  return std::ranges::all_of(wide_, [&](const Noted& n) { return serves(n, time); });
+}
+
+std::span<const std::uint32_t> PartSearch::find_turned(float time) {
+  turned_.clear();
+  for (const Noted& n : few_) {
+    if (s_.bodies.id[n.slot] != kNoSlot && !serves(n, time)) turned_.push_back(n.slot);
+  }
+  return turned_;
 }
 
 std::size_t PartSearch::bytes() const {
-  std::size_t sum = bytes_of(wide_);
+  std::size_t sum = bytes_of(wide_, few_, turned_);
   for (const auto& [part, tree] : trees_) {  // a sum of whole numbers: no order matters
     sum += sizeof(Tree) + bytes_of(tree->boxes, tree->order, tree->levels);
     for (const std::vector<Bounds>& level : tree->levels) sum += bytes_of(level);
@@ -145,21 +176,19 @@ std::size_t PartSearch::bytes() const {
   return sum;
 }
 
-const PartSearch::Wide* PartSearch::wide_of(std::uint32_t slot) const {
-  const auto at = std::ranges::lower_bound(wide_, slot, {}, &Wide::slot);
-  return at != wide_.end() && at->slot == slot ? &*at : nullptr;
+const PartSearch::Noted* PartSearch::find(const std::vector<Noted>& all, std::uint32_t slot) {
+  const auto at = std::ranges::lower_bound(all, slot, {}, &Noted::slot);
+  return at != all.end() && at->slot == slot ? &*at : nullptr;
 }
 
 const PartSearch::Tree& PartSearch::tree_of(std::uint32_t slot) const {
   return *trees_.at(s_.bodies.kind(s_.bodies.id[slot]).first_hull);
 }
 
-// How far a body may go from where the lists were made.
 double PartSearch::margin_of(std::uint32_t slot) const {
   return static_cast<double>(s_.bodies.reach[slot]) - static_cast<double>(s_.bodies.radius[slot]);
 }
 
-// From one body to another, m, where the lists were made.
 Vec2 PartSearch::way(std::uint32_t from, std::uint32_t to) const {
   const auto& built = s_.bodies.built;
   return s_.lattice.metres(wrap_sub(built[2 * std::size_t{to}], built[2 * std::size_t{from}]),
@@ -167,7 +196,7 @@ Vec2 PartSearch::way(std::uint32_t from, std::uint32_t to) const {
 }
 
 void PartSearch::near_body(std::uint32_t slot, std::uint32_t other, std::vector<std::uint32_t>& out) const {
-  const Wide& w = *wide_of(slot);
+  const Noted& w = *wide_of(slot);
   const Tree& tree = tree_of(slot);
   const Vec2 at = turned(sine_cosine(-w.angle), way(slot, other));
   const double within = static_cast<double>(s_.bodies.reach[other]) + margin_of(slot) + static_cast<double>(w.turn) +
@@ -177,7 +206,7 @@ void PartSearch::near_body(std::uint32_t slot, std::uint32_t other, std::vector<
 
 void PartSearch::near_part(std::uint32_t slot, std::uint32_t other, std::uint32_t part,
                            std::vector<std::uint32_t>& out) const {
-  const Wide &mine = *wide_of(slot), &theirs = *wide_of(other);
+  const Noted &mine = *wide_of(slot), &theirs = *wide_of(other);
   const Tree &tree = tree_of(slot), &of_other = tree_of(other);
   const Bounds there = moved(of_other.boxes[part], sine_cosine(theirs.angle - mine.angle),
                              turned(sine_cosine(-mine.angle), way(slot, other)));
@@ -187,7 +216,7 @@ void PartSearch::near_part(std::uint32_t slot, std::uint32_t other, std::uint32_
 }
 
 void PartSearch::near_piece(const StaticPair& pair, const Walls& walls, std::vector<std::uint32_t>& out) const {
-  const Wide& w = *wide_of(pair.body);
+  const Noted& w = *wide_of(pair.body);
   const Tree& tree = tree_of(pair.body);
   const double within = margin_of(pair.body) + static_cast<double>(w.turn) + common_way_ + kRounding * tree.reach;
   const std::size_t at = 2 * std::size_t{pair.body};

@@ -24,11 +24,13 @@ struct CollectSettings {
   float ahead = 0;              ///< s: the lists use the places that bodies will have
   bool surfaces = false;        ///< some surfaces run, resist rolling or are solid from one side
   bool wall_special = false;    ///< those of the walls do
+  float step = 0;               ///< s: the pairs serve a single step of this length; 0: several
+  Vec2 gravity;                 ///< m/s^2
 };
 
 class PartSearch {
  public:
-  /// A body of fewer parts has all of them near.
+  /// A body of fewer parts has no tree of them.
   static constexpr std::uint32_t kMany = 9;
   /// The same of kinematic bodies: there are few of them, and many a one has all others within it, as a drum has.
   static constexpr std::uint32_t kManyKinematic = 4;
@@ -37,12 +39,31 @@ class PartSearch {
 
   void describe(class Archive& a);  ///< for saved states
 
-  /// Notes how the bodies of many parts among those in `slots`, ascending, lie when lists are made with such margins.
-  void note(std::span<const std::uint32_t> slots, const kernels::ReachParams& margin, float ahead);
+  struct Noted {
+    std::uint32_t slot = 0;
+    double angle = 0;  ///< rad, when the lists were made
+    float turn = 0;    ///< m: how far the rim may turn from there
+  };
+
+  /// Notes how the bodies of many parts among those in `slots`, ascending, lie when lists are made with such margins; if
+  /// the lists last, those of several parts, too.
+  void note(std::span<const std::uint32_t> slots, const kernels::ReachParams& margin, float ahead, bool lasts);
+  /// The lists are made anew with such margins for the bodies in `slots`, ascending.
+  void note_again(std::span<const std::uint32_t> slots, const kernels::ReachParams& margin);
+  /// The bodies of several parts, but not many, by slot.
+  std::span<const Noted> few() const { return few_; }
+  const Noted* few_of(std::uint32_t slot) const { return find(few_, slot); }
+  /// Of those, the ones that turn further than the lists allow for `time` seconds more. O(such bodies).
+  std::span<const std::uint32_t> find_turned(float time);
   /// Makes the trees of their shapes, if they are not there. Call before find().
   void prepare();
-  /// Whether the bodies of many parts turn no further than the lists allow for `time` seconds more.
+  /// Whether the bodies of many parts turn no further than the lists allow for `time` seconds more. O(such bodies).
   bool serve(float time) const;
+
+  /// How far a body may go from where the lists were made, m.
+  double margin_of(std::uint32_t slot) const;
+  /// From one body to another, m, where the lists were made.
+  Vec2 way(std::uint32_t from, std::uint32_t to) const;
 
   std::size_t bytes() const;
 
@@ -56,11 +77,6 @@ class PartSearch {
   void near_piece(const StaticPair& pair, const Walls& walls, std::vector<std::uint32_t>& out) const;
 
  private:
-  struct Wide {
-    std::uint32_t slot = 0;
-    double angle = 0;  // rad, when the lists were made
-    float turn = 0;    // m: how far the rim may turn from there
-  };
   // The parts of a shape by place, in its own frame: boxes of four neighbours, of four such boxes, and so on.
   struct Tree {
     explicit Tree(std::span<const Hull> parts);
@@ -72,13 +88,15 @@ class PartSearch {
   };
 
   bool has_many(std::uint32_t slot) const;
-  const Wide* wide_of(std::uint32_t slot) const;
+  bool has_few(std::uint32_t slot) const;
+  Noted noted(std::uint32_t slot, const kernels::ReachParams& margin, float ahead) const;
+  bool serves(const Noted& n, float time) const;
+  static const Noted* find(const std::vector<Noted>& all, std::uint32_t slot);
+  const Noted* wide_of(std::uint32_t slot) const { return find(wide_, slot); }
   const Tree& tree_of(std::uint32_t slot) const;
-  double margin_of(std::uint32_t slot) const;
-  Vec2 way(std::uint32_t from, std::uint32_t to) const;
-
   const Surroundings s_;
-  std::vector<Wide> wide_;                                          // by slot
+  std::vector<Noted> wide_, few_;                                   // by slot: bodies of many parts, of several
+  std::vector<std::uint32_t> turned_;                               // slots
   double common_way_ = 0;                                           // m: how far all bodies go together meanwhile
   std::unordered_map<std::uint32_t, std::unique_ptr<Tree>> trees_;  // by the first part; look-up only, but for a sum
   std::uint64_t of_shapes_ = 0;                                     // ShapeTable::changes() that trees_ are made for

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/elementary.h"
-#include "manifolds/collide.h"
+#include "collide/collide.h"
 #include "manifolds/manifolds.h"
 #include "psim/contact.h"
 #include "query/observed.h"

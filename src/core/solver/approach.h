@@ -3,7 +3,7 @@
 #pragma once
 
 #include "base/rotor.h"
-#include "manifolds/collide.h"
+#include "collide/collide.h"
 
 namespace psim {
 

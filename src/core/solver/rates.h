@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "manifolds/collide.h"
+#include "collide/collide.h"
 #include "psim/types.h"
 
 namespace psim {

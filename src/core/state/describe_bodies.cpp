@@ -127,6 +127,7 @@ void check_users(Archive& a, const BodyStore& b) {
     const BodyProperties& s = b.properties(k);
     if (place != Place::disabled) a.require((place == Place::fixed) == (s.type() == BodyType::static_body));
     if (place != Place::moving && place != Place::asleep) continue;
+    a.require(place != Place::moving || b.radius[b.info[k].slot] == s.radius);
     a.require(s.radius > 0 && (s.type() == BodyType::dynamic_body ? s.mass > 0 : s.inv_mass == 0));
   }
   for (std::uint32_t k = 0; k < of_properties.size() && a.ok(); ++k) {

@@ -84,7 +84,6 @@ void ListRenewal::describe(Archive& a, std::size_t slots) {
     values(a, x.x, x.y, x.reach);
   });
   a.packed(linked_, slots);
-  a.value(time_);
   if (a.loading()) mark_.reserve(slots);
 }
 
@@ -126,20 +125,24 @@ void Decisions::describe(Archive& a, const BodyStore& bodies) {
 void PartSearch::describe(Archive& a) {
   const BodyStore& b = s_.bodies;
   values(a, common_way_);
-  const auto is_wide = [&](std::uint32_t slot) { return b.id[slot] != kNoSlot && has_many(slot); };
-  // Bodies that were removed or took another slot since are in no list any more; a body of few parts may have their slot.
-  if (!a.loading()) std::erase_if(wide_, [&](const Wide& w) { return w.slot >= b.count || !is_wide(w.slot); });
-  a.list(wide_, [&](Wide& w) {
-    a.index(b.count, w.slot);
-    values(a, w.angle, w.turn);
-    a.require(a.ok() && is_wide(w.slot) && w.turn >= 0);
-  });
-  a.require(std::ranges::is_sorted(wide_, std::ranges::less_equal{}, &Wide::slot) || wide_.empty());
+  const auto noted = [&](std::vector<Noted>& all, const auto& belongs) {
+    // Bodies that were removed or took another slot since are in no list any more; another body may have their slot.
+    if (!a.loading()) std::erase_if(all, [&](const Noted& n) { return n.slot >= b.count || !belongs(n.slot); });
+    a.list(all, [&](Noted& n) {
+      a.index(b.count, n.slot);
+      values(a, n.angle, n.turn);
+      a.require(a.ok() && belongs(n.slot) && n.turn >= 0);
+    });
+    a.require(std::ranges::is_sorted(all, std::ranges::less_equal{}, &Noted::slot) || all.empty());
+  };
+  noted(wide_, [&](std::uint32_t slot) { return b.id[slot] != kNoSlot && has_many(slot); });
+  noted(few_, [&](std::uint32_t slot) { return b.id[slot] != kNoSlot && has_few(slot); });
 }
 
 void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
   const std::uint32_t slots = s_.bodies.count;
   parts_.describe(a);
+  boxed_ = boxed_ && !a.loading();
   decisions_.describe(a, s_.bodies);
   values(a, pairs_);
   std::uint32_t own_end = std::min(own_end_, static_cast<std::uint32_t>(pairs_.size()));

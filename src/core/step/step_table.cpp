@@ -36,6 +36,12 @@ void link_bodies(StepContext& c) {
   for (const Restraint& r : c.population.restraints) link(r.id);
 }
 
+// Finds the bodies whose lists must be made anew. False if they are too many.
+bool find_renewed(StepContext& c, const Span& span) {
+  const auto time = static_cast<float>(kMarginFrames * span.frame);
+  return c.neighbours.renewal.find(time, c.contacts.manifolds.turned_parts(time));
+}
+
 // A function for each part, which does some of the pieces of that part, in order.
 namespace run {
 
@@ -46,15 +52,16 @@ void check(StepContext& c, const Span& span, StepReport&, PieceRange) {
   c.bodies.pad_tail();
   c.progress.lists = ListState::kept;
   if (!lists.stale) {
+    const auto turning = static_cast<float>(lists.selects() ? span.step : kMarginFrames * span.frame);
     if (lists.mode == ListMode::one_step) {
       lists.stale = true;
     } else if (lists.may_renew() && !c.contacts.solved.compact()) {
-      lists.stale = !lists.renewal.find(static_cast<float>(kMarginFrames * span.frame));
+      lists.stale = !find_renewed(c, span);
     } else {
-      lists.stale = !lists.serve(lists.selects() ? span.step : span.frame);
+      lists.stale =
+          !lists.serve(lists.selects() ? span.step : span.frame) || !c.contacts.manifolds.turned_parts(turning).empty();
     }
-    const double turning = lists.selects() ? span.step : kMarginFrames * span.frame;
-    lists.stale = lists.stale || !c.contacts.manifolds.parts_serve(static_cast<float>(turning));
+    lists.stale = lists.stale || !c.contacts.manifolds.parts_serve(turning);
   }
   c.progress.contacts = lists.stale || lists.selects() ? ContactState::due : ContactState::kept;
   if (lists.stale || (!lists.selects() && lists.renewal.any())) return;
@@ -66,14 +73,14 @@ void check(StepContext& c, const Span& span, StepReport&, PieceRange) {
 void renew(StepContext& c, const Span& span, StepReport& report, PieceRange) {
   NeighbourLists& lists = c.neighbours;
   ListRenewal& renewal = lists.renewal;
-  lists.stale = !renewal.find_again();
+  lists.stale = !renewal.known() && !find_renewed(c, span);
   const std::uint32_t found = renewal.count();
   if (!lists.stale) {
     c.contacts.discs.lift(lists.table);
     kernels::ReachParams margin = lists.broad.margin();
     margin.time = static_cast<float>(kMarginFrames * kRenewedFrames * span.frame);
     const HeavyLoads* const loads = c.plan.loads ? &c.contacts.loads : nullptr;
-    lists.stale = !renewal.look(loads, margin, lists.table) || !put_renewed(c);
+    lists.stale = !renewal.look(loads, margin, lists.table) || !put_renewed(c, margin);
   }
   c.progress.contacts = lists.stale ? ContactState::due : ContactState::kept;
   if (!lists.stale) report.renewed = found;
@@ -137,11 +144,12 @@ void loads(StepContext& c, const Span&, StepReport&, PieceRange p) {
   c.contacts.loads.go_on(c.neighbours.table, c.pool, p.begin, p.end);
 }
 
-void gather(StepContext& c, const Span&, StepReport&, PieceRange) {
+void gather(StepContext& c, const Span& span, StepReport&, PieceRange) {
   const BroadPhase& broad = c.neighbours.broad;
-  c.contacts.manifolds.begin_collect(
-      {c.plan.filters, c.walls, broad.margin(), broad.ahead(), c.plan.surfaces, c.population.traits.wall_special},
-      c.neighbours.table, c.neighbours.stale);
+  const auto step = static_cast<float>(c.neighbours.selects() ? span.step : 0);
+  c.contacts.manifolds.begin_collect({c.plan.filters, c.walls, broad.margin(), broad.ahead(), c.plan.surfaces,
+                                      c.population.traits.wall_special, step, c.desc.gravity},
+                                     c.neighbours.table, c.neighbours.stale);
   if (c.joints.empty()) return;
   for (const std::uint32_t id : c.joints.bodies()) {
     const bool moves = !is_world(id) && c.bodies.info[id].place == Place::moving;

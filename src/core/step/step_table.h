@@ -71,6 +71,6 @@ void note_push(StepContext& c, std::uint32_t id, const Motion& before);
 
 /// The pairs of bodies that were looked for again (ListRenewal::look) come into the table and get contacts. False if
 /// they are too many: then all lists must be made anew.
-bool put_renewed(StepContext& c);
+bool put_renewed(StepContext& c, const kernels::ReachParams& margin);
 
 }  // namespace psim

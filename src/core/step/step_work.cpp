@@ -138,11 +138,12 @@ void note_push(StepContext& c, std::uint32_t id, const Motion& before) {
   c.done_so_far.push_back({.id = id, .before = before});
 }
 
-bool put_renewed(StepContext& c) {
+bool put_renewed(StepContext& c, const kernels::ReachParams& margin) {
   ListRenewal& renewal = c.neighbours.renewal;
   Manifolds& manifolds = c.contacts.manifolds;
   if (c.sorts_out()) {
     const Joined joined = [&c](std::uint32_t a, std::uint32_t b) { return c.joints.joined(a, b); };
+    manifolds.note_renewed(renewal.bodies(), margin);
     manifolds.sort_out_renewed(c.joints.any_exclusions() ? &joined : nullptr, renewal.pairs(), renewal.near());
   }
   if (!renewal.put(c.neighbours.table)) return false;

@@ -113,6 +113,7 @@ class StateKeeper {
     if (lasting() && w_.sorts_out()) loader.require(manifolds.fit(lists_.table.strips.size()));
     loader.require(loader.left() == 0);
     if (loader.ok() && now.part > part_named("count")) redo_work(loader);
+    loader.require(!loader.ok() || now.at == 0 || (!all_done(now) && now.at <= step_parts()[now.part].pieces(w_)));
     lists_.made = made;
     w_.contacts.loads.visits = visits;
     w_.contacts.discs.set_builds(builds);
@@ -128,6 +129,7 @@ class StateKeeper {
     values(a, now.part, now.at, now.lists, now.contacts, now.spread, now.waits, now.spoiled, now.horizon);
     a.require(dynamics.substeps >= 1 && dynamics.substeps <= StepDetail::kMostSubsteps && dynamics.last_substep >= 0 &&
               dynamics.stiff_substep >= 0 && now.horizon >= 1 && now.waits < 255 && now.part <= step_parts().size());
+    a.require(!now.untouched() || now.at == 0);
     ListNumbers& made = lists_.made;
     values(a, lists_.mode, lists_.stale, made.impact_rate, made.frames, made.speed, made.crowding, made.reach,
            made.skin, made.span, made.selected_span, made.candidates);
@@ -225,7 +227,7 @@ class StateKeeper {
     if (lists_.renewal.renewed() != 0) {
       w_.contacts.discs.lift(lists_.table);
       lists_.renewal.look_again(lists_.table);
-      put_renewed(w_);
+      put_renewed(w_, lists_.broad.margin());
     }
     loader.require(carried_.put_back(lists_.table, w_.contacts.discs));
     now = kept;

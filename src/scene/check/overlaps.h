@@ -9,7 +9,7 @@
 
 #include "bodies/body_properties.h"
 #include "bodies/hull.h"
-#include "manifolds/collide.h"
+#include "collide/collide.h"
 #include "psim/desc.h"
 #include "psim/types.h"
 

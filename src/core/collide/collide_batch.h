@@ -5,9 +5,9 @@
 #include <bit>
 #include <cstdint>
 
+#include "collide/collide.h"
 #include "collide_views.h"
 #include "kernel_table.h"
-#include "manifolds/collide.h"
 
 namespace psim {
 

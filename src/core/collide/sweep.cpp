@@ -4,7 +4,7 @@
 
 #include "base/elementary.h"
 #include "base/rotor.h"
-#include "manifolds/collide.h"
+#include "collide/collide.h"
 
 namespace psim {
 namespace {
@@ -91,6 +91,7 @@ Manifold meet_plane(const Hull& hull, Rotor q, float nx, float ny, float offset,
     p.gap = gap[k];
     p.feature = static_cast<std::uint16_t>(k);
   };
+  m.point[0].gap = gap[first];
   add(first);
   if (hull.count == 1) return m;
   const int next = (first + 1) % hull.count, before = (first + hull.count - 1) % hull.count;

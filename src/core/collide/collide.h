@@ -23,14 +23,15 @@ struct Manifold {
 };
 
 /// The manifold of two hulls with any numbers of vertices. The centre of B lies at (dx, dy) from that of A, m, world
-/// axes. Points further apart than `margin` are left out; count is 0 if none is left. Two points lie apart by more than
-/// a thousandth of the size of the smaller hull.
+/// axes. Points further apart than `margin` are left out; count is 0 if none is left, and then the gap of point[0] is a
+/// bound: the hulls have no smaller gap, but for rounding. Two points lie apart by more than a thousandth of the size of
+/// the smaller hull.
 Manifold collide(const Hull& a, Rotor qa, const Hull& b, Rotor qb, float dx, float dy, float margin);
 
 /// The manifold of B and A, from that of a hull A and a disc B.
 Manifold swapped(Manifold m);
 
-/// A hull against the plane at distance `offset` from its centre along the inward normal.
+/// A hull against the plane at distance `offset` from its centre along the inward normal. Without points as collide().
 Manifold meet_plane(const Hull& hull, Rotor q, float nx, float ny, float offset, float margin);
 
 /// The distance between two hulls, and the nearest points. Where the hulls overlap, the distance is negative: the depth

@@ -1,5 +1,5 @@
 // In: pairs of hulls. Out: their manifolds. A batch takes 1.2 KB on the stack of its owner.
-#include "manifolds/collide_batch.h"
+#include "collide/collide_batch.h"
 
 #include <cstddef>
 
@@ -74,6 +74,7 @@ Manifold CollideBatch::manifold(std::uint32_t k) const {
   } else {
     m.nx = c.nx[k];
     m.ny = c.ny[k];
+    if ((c.has[0] >> k & 1) == 0) m.point[0].gap = c.apart[k];
     for (int n = 0; n < 2 && (c.has[n] >> k & 1) != 0; ++n) {
       const HullPairs::Point& p = c.point[n];
       const auto feature = static_cast<std::uint16_t>(p.feature[k]);

@@ -2,7 +2,7 @@
 // eight pairs does as well is its text with one lane; what it leaves out as rare is here.
 // A pair of m and n vertices costs O(m n): about 65 ns for two boxes that touch, 25 ns for two boxes
 // or 10 ns for a box and a disc that are just out of reach (Intel Xeon, g++ 12.2).
-#include "manifolds/collide.h"
+#include "collide/collide.h"
 
 #include <limits>
 
@@ -206,15 +206,14 @@ inline Manifold collide_cores(const Hull& a, Rotor qa, const Hull& b, Rotor qb, 
   Pair p;
   place_cores<kA, kB>(a, qa, b, qb, d, margin, p);
   Manifold m;
-  const float reach = a.radius + b.radius + margin;
+  const float radii = a.radius + b.radius, reach = radii + margin;
   const Axis of_a = best_axis<kA, kB>(p.a, p.b);
-  if (of_a.separation > reach) return m;
   const Axis of_b = best_axis<kB, kA>(p.b, p.a);
-  if (of_b.separation > reach) return m;
-
   // The distance of the cores is at least `most`. If a point of an edge and one over it are no farther apart, they are
   // the nearest points; otherwise two vertices are.
   const Real most = of_a.separation > of_b.separation ? of_a.separation : of_b.separation;
+  m.point[0].gap = most.v - radii;
+  if (most.v > reach) return m;
   const auto nearest_is_on = [&](const Clip& c) {
     const Real least = min(c.h[0], c.h[1]);
     return !c.empty && least <= most + p.noise && (most <= p.noise || most - p.noise <= least);
@@ -269,6 +268,7 @@ inline Manifold collide_vertex(const Hull& hull, Rotor qh, const Hull& disc, Rot
     edge = k;
   }
   Manifold m;
+  m.point[0].gap = (distance - radius).v;
   if (radius + margin < distance) return m;
   int corner = hull.count == 1 ? 0 : -1;
   if (hull.count > 1) {
@@ -288,6 +288,7 @@ inline Manifold collide_vertex(const Hull& hull, Rotor qh, const Hull& disc, Rot
     if (kNoise * disc.reach < distance) n = {way.x / distance, way.y / distance};
   }
   const Real gap = distance - radius;
+  m.point[0].gap = gap.v;
   if (!(gap <= margin)) return m;
   set_normal(frame, n, m);
   const Vec at = arm - (disc.radius + 0.5f * gap) * Vec{m.nx, m.ny};  // from the centre of the disc
@@ -299,7 +300,11 @@ inline Manifold collide_any(const Hull& a, Rotor qa, const Hull& b, Rotor qb, fl
                             float preference) {
   const float reach = a.reach + b.reach + margin;
   const float x = kernels::squarable(dx), y = kernels::squarable(dy);
-  if (x * x + y * y > reach * reach) return {};
+  if (x * x + y * y > reach * reach) {
+    Manifold m;
+    m.point[0].gap = std::sqrt(x * x + y * y) - (a.reach + b.reach);
+    return m;
+  }
   if (b.count == 1) return collide_vertex(a, qa, b, qb, {dx, dy}, margin);
   if (a.count == 1) return swapped(collide_vertex(b, qb, a, qa, {-dx, -dy}, margin));
   const Vec d{dx, dy};

@@ -1,5 +1,5 @@
 // Contacts of two hulls against an oracle in double precision.
-#include "manifolds/collide.h"
+#include "collide/collide.h"
 
 #include <gtest/gtest.h>
 

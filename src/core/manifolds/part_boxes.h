@@ -1,0 +1,91 @@
+// Which parts of two bodies may meet, by boxes around the parts along the axes of the world. In steps that pairs are
+// selected for, every shape has boxes as it lies at the start of the step. In lists that last, only bodies of several
+// parts have them, as they lay when the lists were made, and each may turn so far until it must be looked for again.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "base/column.h"
+#include "bodies/surroundings.h"
+
+namespace psim {
+
+class PartBoxes {
+ public:
+  static constexpr std::uint32_t kMost = 8;  ///< parts
+
+  explicit PartBoxes(const Surroundings& s) : s_(s) {}
+
+  /// No body has boxes. Bodies without any are as large as their circles.
+  void begin(std::size_t slots) {
+    first_.reserve(slots);
+    turn_.reserve(slots);
+    std::fill_n(first_.data(), slots, kNoSlot);
+    std::fill_n(turn_.data(), slots, 0.0f);
+    count_ = 0;
+  }
+  /// A body will have boxes, if it has few parts.
+  void add(std::size_t slot) {
+    const std::uint32_t parts = s_.bodies.kind(s_.bodies.id[slot]).hull_count;
+    if (parts > kMost) return;
+    first_[slot] = count_;
+    boxes_.reserve_loosely(count_ += parts);
+  }
+  /// Finds the boxes of a body that lies so, and whose rim may turn by `turn`, m.
+  void place(std::size_t slot, Rotor q, float turn) {
+    if (first_[slot] == kNoSlot) return;
+    const BodyKind& kind = s_.bodies.kind(s_.bodies.id[slot]);
+    for (std::uint32_t k = 0; k < kind.hull_count; ++k) {
+      boxes_[first_[slot] + k] = around(s_.bodies.hulls[kind.first_hull + k], q);
+    }
+    turn_[slot] = turn;
+  }
+  /// Gives the memory back.
+  void release() { give_back(first_, turn_, boxes_); }
+  float turn_of(std::size_t slot) const { return turn_[slot]; }
+
+  /// How two bodies lie.
+  struct Pair {
+    std::size_t a = 0, b = 0;  ///< slots
+    float dx = 0, dy = 0;      ///< m, from A to B
+    float within = 0;          ///< m: parts with a larger gap do not meet
+  };
+  bool meet(const Pair& pair, std::uint32_t part_a, std::uint32_t part_b) const {
+    const Box a = of(pair.a, part_a), b = of(pair.b, part_b);
+    const float rounding = 1e-5f * (s_.bodies.radius[pair.a] + s_.bodies.radius[pair.b]);
+    const float most = pair.within + rounding;
+    return std::max(pair.dx + b.xmin - a.xmax, a.xmin - b.xmax - pair.dx) <= most &&
+           std::max(pair.dy + b.ymin - a.ymax, a.ymin - b.ymax - pair.dy) <= most;
+  }
+
+  std::size_t bytes() const { return first_.bytes() + turn_.bytes() + boxes_.bytes(); }
+
+ private:
+  struct Box {  // m, from the body's centre
+    float xmin, ymin, xmax, ymax;
+  };
+
+  Box of(std::size_t slot, std::uint32_t part) const {
+    if (first_[slot] != kNoSlot) return boxes_[first_[slot] + part];
+    const float r = s_.bodies.radius[slot];
+    return {-r, -r, r, r};
+  }
+  static Box around(const Hull& hull, Rotor q) {
+    Box box{1e30f, 1e30f, -1e30f, -1e30f};
+    for (int k = 0; k < hull.count; ++k) {
+      const float x = q.c * hull.x[k] - q.s * hull.y[k], y = q.s * hull.x[k] + q.c * hull.y[k];
+      box = {std::min(x, box.xmin), std::min(y, box.ymin), std::max(x, box.xmax), std::max(y, box.ymax)};
+    }
+    return {box.xmin - hull.radius, box.ymin - hull.radius, box.xmax + hull.radius, box.ymax + hull.radius};
+  }
+
+  const Surroundings s_;
+  Column<std::uint32_t> first_{s_.memory};  // by slot: its first box, or kNoSlot
+  Column<float> turn_{s_.memory};           // m, by slot
+  Column<Box> boxes_{s_.memory};
+  std::uint32_t count_ = 0;
+};
+
+}  // namespace psim
