@@ -185,5 +185,50 @@ TEST(SavedDamage, NumbersThatAreWrongAreRefusedOrServed) {
   }
 }
 
+// Tables of several parts, some of which still tumble.
+std::unique_ptr<World> tables(int frames) {
+  auto world = make(walled({-20, -20, 20, 20}, {0, -kG}));
+  for (int k = 0; k < 30; ++k) {
+    BodyDesc table;
+    table.shape = CompoundShape{{{BoxShape{1.5, 0.15}, {0, 0.5}, 0}, {BoxShape{0.15, 0.5}, {-1.2, 0}, 0}}};
+    table.position = {3.2 * (k % 10) - 15, 3.0 * (k / 10) - 17};
+    add(*world, turned(table, 0.7 * k));
+  }
+  run(*world, frames);
+  return world;
+}
+
+// Every number of a state is forged in turn: all of a small one, of others about 1,500.
+TEST(SlowSavedDamage, AnyNumberAnywhereIsRefusedOrServed) {
+  std::vector<std::unique_ptr<World>> worlds;
+  std::string error;
+  for (const char* name : {"gas-periodic", "pile", "tumbler", "spinner"}) {
+    const auto scene = make_builtin(name, 60, 1, error);
+    ASSERT_TRUE(scene) << error;
+    RunOptions options;
+    options.threads = 1;
+    worlds.push_back(build_world(*scene, options, error));
+    ASSERT_TRUE(worlds.back()) << error;
+    run(*worlds.back(), 30);
+  }
+  for (const int frames : {3, 60, 400}) worlds.push_back(mixed_world(frames));
+  for (const int frames : {20, 150, 500}) worlds.push_back(tables(frames));
+  for (std::size_t n = 0; n < worlds.size(); ++n) {
+    Bytes state;
+    worlds[n]->save(state);
+    const std::size_t step = std::max<std::size_t>(1, (state.size() - kHeader) / (kSanitized ? 100 : 1500));
+    for (std::size_t at = kHeader + n % step; at + 4 <= state.size(); at += step) {
+      for (const std::uint32_t value : {0u, 1u, 500u, 0x7F800000u, 0x7FFFFFFFu, 0xFFFFFFFFu}) {
+        Bytes bad = state;
+        std::memcpy(bad.data() + at, &value, 4);
+        const auto other = World::from_state(repaired(bad), {best_isa(), 1}, error);
+        if (!other) continue;
+        run(*other, 3);
+        ASSERT_EQ(fuzz::broken_promise(*other, false), "") << "world " << n << ", byte " << at << ": " << value;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace psim::test

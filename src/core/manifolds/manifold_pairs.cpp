@@ -135,14 +135,22 @@ void Manifolds::begin_collect(const CollectSettings& settings, const PairTable& 
   }
 }
 
-// Finds the boxes of all shapes as they lie now.
+// Finds the boxes of long shapes and of bodies of several parts as they lie now. Of all others a circle says enough.
 void Manifolds::box_shapes() {
+  constexpr float kLong = 0.6f;          // the inner radius is less than this share of the reach
+  constexpr std::size_t kBodies = 1024;  // a job
   if (!boxed_) {
     boxes_.begin(kernels::round_up_block(s_.bodies.count));
-    for (const std::uint32_t slot : shaped_) boxes_.add(slot);
+    for (const std::uint32_t slot : shaped_) {
+      const BodyKind& kind = s_.bodies.kind(s_.bodies.id[slot]);
+      if (kind.hull_count > 1 || kind.inner < kLong * s_.bodies.radius[slot]) boxes_.add(slot);
+    }
   }
   boxed_ = true;
-  turn_shapes(true);
+  run_each(shaped_.size(), kBodies, s_.pool, [&](std::size_t n, std::size_t) {
+    const std::uint32_t slot = shaped_[n];
+    if (boxes_.has(slot)) boxes_.place(slot, rotor_of(s_.bodies.angle[slot]), 0);
+  });
 }
 
 // Finds the boxes of the bodies of a few parts as the lists know them.

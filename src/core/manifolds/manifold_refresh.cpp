@@ -141,8 +141,8 @@ void Manifolds::order_scattered(std::vector<std::uint32_t>& active, const auto& 
   }
 }
 
-// Finds how bodies that are not discs lie now, and their inner radii; if they are `boxed`, their boxes, too.
-void Manifolds::turn_shapes(bool boxed) {
+// Finds how bodies that are not discs lie now, and their inner radii.
+void Manifolds::turn_shapes() {
   constexpr float kThin = 0.2f;          // the inner radius counts as at least this share of the reach
   constexpr std::size_t kBodies = 1024;  // a job
   run_each(shaped_.size(), kBodies, s_.pool, [&](std::size_t n, std::size_t) {
@@ -150,7 +150,6 @@ void Manifolds::turn_shapes(bool boxed) {
     const Rotor q = rotor_of(s_.bodies.angle[i]);
     rotor_[2 * i] = q.c;
     rotor_[2 * i + 1] = q.s;
-    if (boxed) boxes_.place(i, q, 0);
     inner_[i] = std::max(kThin * s_.bodies.radius[i], s_.bodies.kind(s_.bodies.id[i]).inner);
   });
 }
@@ -165,7 +164,7 @@ void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::si
         for (std::uint32_t k = 0; k < pairs_.size(); ++k) each(pairs_[k], k);
       });
     }
-    turn_shapes(false);
+    turn_shapes();
   }
   const auto last_of_strip = [&](const Cut& c) { return c.end == begin_[c.strip + 1]; };
   const bool decides = params.asking || !decisions_.empty();

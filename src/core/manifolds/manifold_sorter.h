@@ -62,7 +62,7 @@ struct Manifolds::Sorter {
     name(sides..., first);
     const std::uint32_t parts_a = first.of_piece() ? 1 : parts(first.a), parts_b = parts(first.b);
     // The boxes of two such bodies show which of their parts may meet while the pair lasts.
-    const bool boxed = !first.fixed_a && (m.step_ > 0 || (parts_a + parts_b > 2 && m.boxed_));
+    const bool boxed = !first.fixed_a && m.boxed_ && (m.boxes_.has(first.a) || m.boxes_.has(first.b));
     const PartBoxes::Pair lie = !boxed ? PartBoxes::Pair{} : m.step_ > 0 ? as_they_lie(first) : as_they_lay(first);
     if (parts_a == 1 && parts_b == 1) {
       if ((boxed && !m.boxes_.meet(lie, 0, 0)) || (have_parts(first) && !collide(first))) {

@@ -310,7 +310,7 @@ class Manifolds {
   void follow_from_pairs();
   void check_strip(Archive& a, std::size_t strip, const ManifoldsAround& around) const;
   void cut();
-  void turn_shapes(bool boxed);
+  void turn_shapes();
   void box_shapes();
   void box_parts();
   void place_pairs(std::size_t strips);

@@ -1,6 +1,7 @@
 // Which parts of two bodies may meet, by boxes around the parts along the axes of the world. In steps that pairs are
-// selected for, every shape has boxes as it lies at the start of the step. In lists that last, only bodies of several
-// parts have them, as they lay when the lists were made, and each may turn so far until it must be looked for again.
+// selected for, long shapes and bodies of several parts have boxes as they lie at the start of the step. In lists that
+// last, bodies of several parts have them as they lay when the lists were made, and each may turn so far until it must be
+// looked for again.
 #pragma once
 
 #include <algorithm>
@@ -35,13 +36,14 @@ class PartBoxes {
   }
   /// Finds the boxes of a body that lies so, and whose rim may turn by `turn`, m.
   void place(std::size_t slot, Rotor q, float turn) {
-    if (first_[slot] == kNoSlot) return;
+    if (!has(slot)) return;
     const BodyKind& kind = s_.bodies.kind(s_.bodies.id[slot]);
     for (std::uint32_t k = 0; k < kind.hull_count; ++k) {
       boxes_[first_[slot] + k] = around(s_.bodies.hulls[kind.first_hull + k], q);
     }
     turn_[slot] = turn;
   }
+  bool has(std::size_t slot) const { return first_[slot] != kNoSlot; }
   /// Gives the memory back.
   void release() { give_back(first_, turn_, boxes_); }
   float turn_of(std::size_t slot) const { return turn_[slot]; }
@@ -68,7 +70,7 @@ class PartBoxes {
   };
 
   Box of(std::size_t slot, std::uint32_t part) const {
-    if (first_[slot] != kNoSlot) return boxes_[first_[slot] + part];
+    if (has(slot)) return boxes_[first_[slot] + part];
     const float r = s_.bodies.radius[slot];
     return {-r, -r, r, r};
   }

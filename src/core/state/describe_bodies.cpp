@@ -1,6 +1,7 @@
 // Who is there: the tables of what bodies share, bodies by id, the columns of those that move, the lists of those that
 // do not.
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "psim/limits.h"
@@ -160,7 +161,9 @@ void describe_bodies(Archive& a, BodyStore& b, bool lists) {
   });
   a.require(b.kinds.size() != 0 && b.kinds[0] == BodyKind{});
   a.refuse_nan(true);  // a mass or a gravity scale beyond what a float holds is infinite
-  b.property_table.describe(a, 0, [&](const BodyProperties& p, std::uint32_t) { return p.kind < b.kinds.size(); });
+  b.property_table.describe(a, 0, [&](const BodyProperties& p, std::uint32_t) {
+    return p.kind < b.kinds.size() && p.radius >= 0 && std::isfinite(p.radius);
+  });
   a.refuse_nan(true, true);
   describe_ids(a, b);
   describe_slots(a, b, lists);
