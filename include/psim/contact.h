@@ -32,6 +32,9 @@ struct Contact {
   /// is solved by itself, where a body has too many contacts; or not known, after World::restore until the next step
   /// and while a governor spreads a step over frames.
   std::uint32_t colour = kNoColour;
+  /// Which parts touch, as in World::part_traits; which segment of a chain with surfaces of its own; else 0.
+  std::uint32_t part_a = 0;
+  std::uint32_t part_b = 0;  ///< likewise; of a wall 0
 };
 
 }  // namespace psim

@@ -34,6 +34,8 @@ struct HitEvent {
   double speed = 0;  ///< m/s, of approach along the normal
   /// N s: that changed the approach as it did, if nothing else acted on the two there. 0 if neither is dynamic.
   double impulse = 0;
+  std::uint32_t part_a = 0;  ///< which part of a, as in Contact
+  std::uint32_t part_b = 0;  ///< likewise; of a wall 0
 };
 
 /// What is collected.

@@ -55,17 +55,64 @@ void copy(std::span<const psim::BodyId> from, std::vector<psim_body_id>& to) {
 
 }  // namespace
 
-psim_result psim_world_ray_cast(const psim_world* world, psim_vec2 from, psim_vec2 to, const psim_query_filter* filter,
-                                psim_ray_hit* hit) {
-  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+namespace {
+
+// `part`: where to tell the part, or null.
+psim_result ray_cast(const psim_world* world, const char* name, psim_vec2 from, psim_vec2 to,
+                     const psim_query_filter* filter, psim_ray_hit* hit, std::uint32_t* part) {
+  return guarded(world, name, [&](const psim::World& w, const Call& call) -> psim_result {
     if (hit == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "hit must not be NULL");
     psim::QueryFilter f;
     if (const psim_result r = read_filter(call, filter, f); r != PSIM_OK) return r;
     const auto found = w.ray_cast(to_cpp(from), to_cpp(to), f);
     if (!found) return PSIM_NOTHING;
     *hit = to_c(*found);
+    if (part != nullptr) *part = found->part;
     return PSIM_OK;
   });
+}
+
+psim_result shape_cast(const psim_world* world, const char* name, const psim_shape* shape, psim_vec2 from, double angle,
+                       psim_vec2 translation, double rotation, const psim_query_filter* filter,
+                       psim_shape_cast_hit* hit, std::uint32_t* part) {
+  return guarded(world, name, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (hit == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "hit must not be NULL");
+    psim::Shape given;
+    if (const psim_result r = read_shape(call, shape, given); r != PSIM_OK) return r;
+    psim::QueryFilter f;
+    if (const psim_result r = read_filter(call, filter, f); r != PSIM_OK) return r;
+    const auto found = w.shape_cast(given, to_cpp(from), angle, to_cpp(translation), rotation, f);
+    if (!found) return PSIM_NOTHING;
+    *hit = {to_c(found->body), to_c(found->point), to_c(found->normal), found->fraction};
+    if (part != nullptr) *part = found->part;
+    return PSIM_OK;
+  });
+}
+
+psim_result closest(const psim_world* world, const char* name, psim_vec2 point, double reach,
+                    const psim_query_filter* filter, psim_closest_hit* hit, std::uint32_t* part) {
+  return guarded(world, name, [&](const psim::World& w, const Call& call) -> psim_result {
+    if (hit == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "hit must not be NULL");
+    psim::QueryFilter f;
+    if (const psim_result r = read_filter(call, filter, f); r != PSIM_OK) return r;
+    const auto found = w.closest(to_cpp(point), reach, f);
+    if (!found) return PSIM_NOTHING;
+    *hit = {to_c(found->body), to_c(found->point), found->distance};
+    if (part != nullptr) *part = found->part;
+    return PSIM_OK;
+  });
+}
+
+}  // namespace
+
+psim_result psim_world_ray_cast(const psim_world* world, psim_vec2 from, psim_vec2 to, const psim_query_filter* filter,
+                                psim_ray_hit* hit) {
+  return ray_cast(world, __func__, from, to, filter, hit, nullptr);
+}
+
+psim_result psim_world_ray_cast_part(const psim_world* world, psim_vec2 from, psim_vec2 to,
+                                     const psim_query_filter* filter, psim_ray_hit* hit, uint32_t* part) {
+  return ray_cast(world, __func__, from, to, filter, hit, part);
 }
 
 psim_result psim_world_ray_cast_all(const psim_world* world, psim_vec2 from, psim_vec2 to,
@@ -108,17 +155,13 @@ psim_result psim_world_ray_cast_batch(psim_world* world, const psim_ray* rays, p
 psim_result psim_world_shape_cast(const psim_world* world, const psim_shape* shape, psim_vec2 from, double angle,
                                   psim_vec2 translation, double rotation, const psim_query_filter* filter,
                                   psim_shape_cast_hit* hit) {
-  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
-    if (hit == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "hit must not be NULL");
-    psim::Shape given;
-    if (const psim_result r = read_shape(call, shape, given); r != PSIM_OK) return r;
-    psim::QueryFilter f;
-    if (const psim_result r = read_filter(call, filter, f); r != PSIM_OK) return r;
-    const auto found = w.shape_cast(given, to_cpp(from), angle, to_cpp(translation), rotation, f);
-    if (!found) return PSIM_NOTHING;
-    *hit = {to_c(found->body), to_c(found->point), to_c(found->normal), found->fraction};
-    return PSIM_OK;
-  });
+  return shape_cast(world, __func__, shape, from, angle, translation, rotation, filter, hit, nullptr);
+}
+
+psim_result psim_world_shape_cast_part(const psim_world* world, const psim_shape* shape, psim_vec2 from, double angle,
+                                       psim_vec2 translation, double rotation, const psim_query_filter* filter,
+                                       psim_shape_cast_hit* hit, uint32_t* part) {
+  return shape_cast(world, __func__, shape, from, angle, translation, rotation, filter, hit, part);
 }
 
 psim_result psim_world_nearby(const psim_world* world, const psim_shape* shape, psim_vec2 position, double angle,
@@ -139,7 +182,7 @@ psim_result psim_world_nearby(const psim_world* world, const psim_shape* shape, 
     w.nearby(given, to_cpp(position), angle, reach, found, f);
     for (std::size_t k = 0; k < found.size(); ++k) {
       const psim::NearHit& h = found[k];
-      hits[k] = {to_c(h.body), to_c(h.point), to_c(h.normal), h.distance, h.one_way, 0};
+      hits[k] = {to_c(h.body), to_c(h.point), to_c(h.normal), h.distance, h.one_way, h.part};
     }
     *count = all;
     return PSIM_OK;
@@ -154,15 +197,12 @@ psim_result psim_world_in_region(const psim_world* world, psim_bounds region, co
 
 psim_result psim_world_closest(const psim_world* world, psim_vec2 point, double reach, const psim_query_filter* filter,
                                psim_closest_hit* hit) {
-  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
-    if (hit == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "hit must not be NULL");
-    psim::QueryFilter f;
-    if (const psim_result r = read_filter(call, filter, f); r != PSIM_OK) return r;
-    const auto found = w.closest(to_cpp(point), reach, f);
-    if (!found) return PSIM_NOTHING;
-    *hit = {to_c(found->body), to_c(found->point), found->distance};
-    return PSIM_OK;
-  });
+  return closest(world, __func__, point, reach, filter, hit, nullptr);
+}
+
+psim_result psim_world_closest_part(const psim_world* world, psim_vec2 point, double reach,
+                                    const psim_query_filter* filter, psim_closest_hit* hit, uint32_t* part) {
+  return closest(world, __func__, point, reach, filter, hit, part);
 }
 
 psim_result psim_world_set_event_options(psim_world* world, const psim_event_options* options) {
@@ -196,9 +236,11 @@ psim_result psim_world_events(psim_world* world, psim_events* events) {
     }
     world->hits.clear();
     world->hit_impulses.clear();
+    world->hit_parts.clear();
     for (const psim::HitEvent& e : from.hits) {
       world->hits.push_back({to_c(e.a), to_c(e.b), to_c(e.point), to_c(e.normal), e.speed});
       world->hit_impulses.push_back(e.impulse);
+      world->hit_parts.push_back({e.part_a, e.part_b});
     }
     world->breaks.clear();
     for (const psim::JointBreak& b : from.breaks) {
@@ -215,6 +257,8 @@ psim_result psim_world_events(psim_world* world, psim_events* events) {
     out.hit_count = world->hits.size();
     out.hit_impulses = world->hit_impulses.data();
     out.hit_impulse_count = world->hit_impulses.size();
+    out.hit_parts = world->hit_parts.data();
+    out.hit_part_count = world->hit_parts.size();
     out.sensor_begin = world->sensor_begin.data();
     out.sensor_begin_count = world->sensor_begin.size();
     out.sensor_end = world->sensor_end.data();
@@ -241,10 +285,12 @@ psim_result psim_world_contacts(psim_world* world, const psim_contact** contacts
     }
     world->contacts.clear();
     world->contact_groups.clear();
+    world->contact_parts.clear();
     for (const psim::Contact& c : w.contacts()) {
       world->contacts.push_back(
           {to_c(c.a), to_c(c.b), to_c(c.point), to_c(c.normal), c.separation, c.impulse, c.friction});
       world->contact_groups.push_back({c.strip, c.colour});
+      world->contact_parts.push_back({c.part_a, c.part_b});
     }
     *contacts = world->contacts.data();
     *count = world->contacts.size();
@@ -259,6 +305,17 @@ psim_result psim_world_contact_groups(psim_world* world, const psim_contact_grou
     }
     *groups = world->contact_groups.data();
     *count = world->contact_groups.size();
+    return PSIM_OK;
+  });
+}
+
+psim_result psim_world_contact_parts(psim_world* world, const psim_parts** parts, size_t* count) {
+  return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
+    if (parts == nullptr || count == nullptr) {
+      return call.fail(PSIM_ERROR_ARGUMENT, "parts and count must not be NULL");
+    }
+    *parts = world->contact_parts.data();
+    *count = world->contact_parts.size();
     return PSIM_OK;
   });
 }

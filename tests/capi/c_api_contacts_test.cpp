@@ -42,6 +42,62 @@ extern "C" void let_through(void* user, psim_new_contact* contacts, size_t count
   }
 }
 
+TEST(CApiContacts, PartsAreTold) {
+  CWorld c;
+  psim_shape_part parts[2] = {};
+  parts[0].shape = psim_box(1, 1);
+  parts[1].shape = psim_disc(0.5);
+  parts[1].position = {0, 1};
+  psim_body_desc body;
+  psim_body_desc_init(&body);
+  body.parts = parts;
+  body.part_count = 2;
+  body.type = PSIM_BODY_STATIC;
+  psim_body_id id;
+  ASSERT_EQ(psim_world_add_body(c.world, &body, &id), PSIM_OK);
+  uint32_t part = 7;
+  psim_ray_hit ray;
+  ASSERT_EQ(psim_world_ray_cast_part(c.world, {0, 5}, {0, 0}, nullptr, &ray, &part), PSIM_OK);
+  EXPECT_EQ(part, 1u);
+  EXPECT_EQ(psim_world_ray_cast_part(c.world, {0, 5}, {0, 0}, nullptr, &ray, nullptr), PSIM_OK);
+  EXPECT_EQ(psim_world_ray_cast_part(c.world, {0, 5}, {0, 0}, nullptr, nullptr, &part), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(c.last(), "psim_world_ray_cast_part: hit must not be NULL");
+  psim_closest_hit closest;
+  ASSERT_EQ(psim_world_closest_part(c.world, {0, -2}, 5, nullptr, &closest, &part), PSIM_OK);
+  EXPECT_EQ(part, 0u);
+  const psim_shape disc = psim_disc(0.1);
+  psim_shape_cast_hit cast;
+  ASSERT_EQ(psim_world_shape_cast_part(c.world, &disc, {0, 5}, 0, {0, -5}, 0, nullptr, &cast, &part), PSIM_OK);
+  EXPECT_EQ(part, 1u);
+  psim_near_hit near[1];
+  size_t count = 0;
+  ASSERT_EQ(psim_world_nearby(c.world, &disc, {0, 1.7}, 0, 0.3, nullptr, near, 1, &count), PSIM_OK);
+  EXPECT_EQ(near[0].part, 1u);
+  psim_event_options options;
+  psim_event_options_init(&options);
+  options.hits = 1;
+  ASSERT_EQ(psim_world_set_event_options(c.world, &options), PSIM_OK);
+  add_box(c.world, 0, 2.5, PSIM_BODY_DYNAMIC, 0);
+  psim_events events;
+  psim_events_init(&events);
+  for (int k = 0; k < 120 && events.hit_count == 0; ++k) {
+    ASSERT_EQ(psim_world_step(c.world, nullptr), PSIM_OK);
+    ASSERT_EQ(psim_world_events(c.world, &events), PSIM_OK);
+  }
+  ASSERT_EQ(events.hit_part_count, 1u);
+  EXPECT_EQ(events.hit_parts[0].a, 1u);
+  const psim_contact* contacts = nullptr;
+  const psim_parts* touching = nullptr;
+  size_t all = 0;
+  ASSERT_EQ(psim_world_contacts(c.world, &contacts, &all), PSIM_OK);
+  ASSERT_EQ(psim_world_contact_parts(c.world, &touching, &count), PSIM_OK);
+  ASSERT_EQ(count, all);
+  ASSERT_GT(count, 0u);
+  EXPECT_EQ(touching[0].a, 1u);
+  EXPECT_EQ(touching[0].b, 0u);
+  EXPECT_EQ(psim_world_contact_parts(c.world, nullptr, &count), PSIM_ERROR_ARGUMENT);
+}
+
 TEST(CApiContacts, TheCallerDecides) {
   CWorld c;
   const psim_body_id floor = add_box(c.world, 0, -0.5, PSIM_BODY_STATIC, 1);

@@ -42,7 +42,7 @@ typedef struct psim_near_hit {
   psim_vec2 normal;   ///< of length 1, from there to the shape: the shortest way out if they overlap
   double distance;    ///< metres; negative: how deep they overlap
   int32_t one_way;    ///< flag: the part is solid from one side alone
-  int32_t reserved;   ///< 0
+  uint32_t part;      ///< which part of the body, as in psim_parts
 } psim_near_hit;
 
 /// The nearest point of a body.
@@ -105,6 +105,13 @@ typedef struct psim_contact {
   double friction;    ///< N s: likewise along (-normal.y, normal.x)
 } psim_contact;
 
+/// Which parts of two bodies touch: as in psim_world_part_traits; which segment of a chain with surfaces of its own; else
+/// 0.
+typedef struct psim_parts {
+  uint32_t a;  ///< of the first body
+  uint32_t b;  ///< of the second; of a wall of the world 0
+} psim_parts;
+
 /// No strip, or no colour.
 #define PSIM_NO_GROUP 0xFFFFFFFFu
 
@@ -142,6 +149,8 @@ typedef struct psim_events {
   size_t move_count;                     ///< how many
   const double* hit_impulses;            ///< N s, of each event in `hits`: that changed the approach as it did
   size_t hit_impulse_count;              ///< as many
+  const psim_parts* hit_parts;           ///< of each event in `hits`
+  size_t hit_part_count;                 ///< as many
 } psim_events;
 
 /// Sets the defaults.
@@ -152,6 +161,10 @@ static inline void psim_events_init(psim_events* events) {
 /// The first body that the way from `from` to `to`, metres, enters. PSIM_NOTHING.
 PSIM_API psim_result psim_world_ray_cast(const psim_world* world, psim_vec2 from, psim_vec2 to,
                                          const psim_query_filter* filter, psim_ray_hit* hit);
+
+/// The same, and which part of the body it enters, as in psim_parts.
+PSIM_API psim_result psim_world_ray_cast_part(const psim_world* world, psim_vec2 from, psim_vec2 to,
+                                              const psim_query_filter* filter, psim_ray_hit* hit, uint32_t* part);
 
 /// All of them, nearest first, then by id.
 PSIM_API psim_result psim_world_ray_cast_all(const psim_world* world, psim_vec2 from, psim_vec2 to,
@@ -169,6 +182,12 @@ PSIM_API psim_result psim_world_ray_cast_batch(psim_world* world, const psim_ray
 PSIM_API psim_result psim_world_shape_cast(const psim_world* world, const psim_shape* shape, psim_vec2 from,
                                            double angle, psim_vec2 translation, double rotation,
                                            const psim_query_filter* filter, psim_shape_cast_hit* hit);
+
+/// The same, and which part of the body it meets, as in psim_parts.
+PSIM_API psim_result psim_world_shape_cast_part(const psim_world* world, const psim_shape* shape, psim_vec2 from,
+                                                double angle, psim_vec2 translation, double rotation,
+                                                const psim_query_filter* filter, psim_shape_cast_hit* hit,
+                                                uint32_t* part);
 
 /// Finds what lies within `reach` metres of a shape placed at (position, angle), piece by piece, the nearest first.
 PSIM_API psim_result psim_world_nearby(const psim_world* world, const psim_shape* shape, psim_vec2 position,
@@ -188,6 +207,10 @@ PSIM_API psim_result psim_world_in_region(const psim_world* world, psim_bounds r
 PSIM_API psim_result psim_world_closest(const psim_world* world, psim_vec2 point, double reach,
                                         const psim_query_filter* filter, psim_closest_hit* hit);
 
+/// The same, and which part of the body is the nearest, as in psim_parts.
+PSIM_API psim_result psim_world_closest_part(const psim_world* world, psim_vec2 point, double reach,
+                                             const psim_query_filter* filter, psim_closest_hit* hit, uint32_t* part);
+
 /// Chooses what steps tell; nothing at first.
 PSIM_API psim_result psim_world_set_event_options(psim_world* world, const psim_event_options* options);
 
@@ -204,6 +227,10 @@ PSIM_API psim_result psim_world_contacts(psim_world* world, const psim_contact**
 /// Strip and colour of the contacts that psim_world_contacts gave last, `*count` of them in the same order. The list
 /// stays until the next call of that function.
 PSIM_API psim_result psim_world_contact_groups(psim_world* world, const psim_contact_group** groups, size_t* count);
+
+/// Which parts touch in each of the contacts that psim_world_contacts told of last, in the same order. The array is the
+/// world's, until the next call of psim_world_contacts.
+PSIM_API psim_result psim_world_contact_parts(psim_world* world, const psim_parts** parts, size_t* count);
 
 /// By body index, for `*count` of them: the strip that the body lay in when the last step's lists were made, some rows
 /// of the broad phase's cells, or all large bodies: a unit of parallel work. PSIM_NO_GROUP for who is in no list:

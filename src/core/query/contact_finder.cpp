@@ -27,7 +27,7 @@ constexpr std::size_t kSorted = 4096;    // contacts a job
 bool by_place(const Contact& x, const Contact& y) {
   const auto members = [](const Contact& c) {
     return std::tie(c.normal.x, c.normal.y, c.point.x, c.point.y, c.separation, c.impulse, c.friction, c.strip,
-                    c.colour);
+                    c.colour, c.part_a, c.part_b);
   };
   return members(x) < members(y);
 }
@@ -160,7 +160,7 @@ class ContactFinder {
       const double r = wide(bodies_.radius[i]);
       const Vec2 way = world_.lattice.way(at, bodies_.point(j));
       const ContactWriter::Meeting m = ContactWriter::discs(way, r + wide(bodies_.radius[j]), normal);
-      put(strip, writer_.of_disc(bodies_.id[i], bodies_.id[j], at, r, m, load_of(contacts_.pairs, lane)),
+      put(strip, writer_.of_disc({bodies_.id[i]}, {bodies_.id[j]}, at, r, m, load_of(contacts_.pairs, lane)),
           colours.of_pair(p));
     }
   }
@@ -175,12 +175,12 @@ class ContactFinder {
       if (gaps && contacts_.fixed.gap[lane] >= kNoGap) continue;
       if (!(gaps && overlaps_) && !counts(contacts_.fixed.impulse[lane])) continue;
       if (id == kNoSlot || !world_.tells_of(id) || !writer_.stands(pair.shape)) continue;
-      if (!wanted(id) || !wanted(writer_.owner(pair.shape))) continue;
+      if (!wanted(id) || !wanted(writer_.side(pair.shape).id)) continue;
       const LatticePoint at = bodies_.point(slot);
       const double r = wide(bodies_.radius[slot]);
       const Vec2 normal{wide(contacts_.fixed.nx[lane]), wide(contacts_.fixed.ny[lane])};
       const ContactWriter::Meeting m = writer_.fixed(at, r, pair.shape, normal);
-      put(strip, writer_.of_disc(writer_.owner(pair.shape), id, at, -r, m, load_of(contacts_.fixed, lane)),
+      put(strip, writer_.of_disc(writer_.side(pair.shape), {id}, at, -r, m, load_of(contacts_.fixed, lane)),
           colours.of_static(table_.strips[strip], pair, sequence));
     }
   }
@@ -216,7 +216,8 @@ class ContactFinder {
       Vec2 point;
       const ContactWriter::Meeting m = writer_.manifold(pair, list_.slot(pair.a), list_.slot(pair.b), k, point);
       const ContactWriter::Load load{static_cast<double>(last_.substeps), impulse, friction};
-      put(strip, writer_.contact(pair.id_a, pair.id_b, point, m, load), colours.of_manifold(pair));
+      put(strip, writer_.contact(writer_.first_of(pair), writer_.second_of(pair), point, m, load),
+          colours.of_manifold(pair));
     }
   }
 

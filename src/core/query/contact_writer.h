@@ -31,13 +31,23 @@ class ContactWriter {
 
   explicit ContactWriter(const Observed& world) : world_(world) {}
 
-  /// `first` and `second` are ids, or kNoSlot for a wall. The normal goes from first to second.
-  Contact contact(std::uint32_t first, std::uint32_t second, Vec2 point, const Meeting& m, const Load& load) const {
+  /// Who touches: a body, or kNoSlot for a wall, and which part of it.
+  struct Side {
+    std::uint32_t id = kNoSlot;
+    std::uint32_t part = 0;
+  };
+
+  /// The normal goes from first to second.
+  Contact contact(const Side& first, const Side& second, Vec2 point, const Meeting& m, const Load& load) const {
+    const bool swap = second.id < first.id;
+    const Side &a = swap ? second : first, &b = swap ? first : second;
     Contact c;
-    c.a = world_.handle(std::min(first, second));
-    c.b = world_.handle(std::max(first, second));
+    c.a = world_.handle(a.id);
+    c.b = world_.handle(b.id);
+    c.part_a = a.part;
+    c.part_b = b.part;
     c.point = point;
-    c.normal = (first < second ? 1.0 : -1.0) * m.normal;
+    c.normal = (swap ? -1.0 : 1.0) * m.normal;
     c.separation = m.gap;
     c.impulse = load.times * wide(load.impulse) + 0.0;  // -0 becomes 0
     c.friction = load.times * wide(load.friction);
@@ -46,7 +56,7 @@ class ContactWriter {
 
   /// The contact of a disc at `at`. Along the normal its surface lies at `arm`, m, from its centre: the arm is negative
   /// where the disc is the second body.
-  Contact of_disc(std::uint32_t first, std::uint32_t second, const LatticePoint& at, double arm, const Meeting& m,
+  Contact of_disc(const Side& first, const Side& second, const LatticePoint& at, double arm, const Meeting& m,
                   const Load& load) const {
     const double midway = arm < 0 ? arm - m.gap / 2 : arm + m.gap / 2;
     return contact(first, second, world_.lattice.to_world(at) + midway * m.normal, m, load);
@@ -86,7 +96,15 @@ class ContactWriter {
     const StaticShape& s = statics_[shape];
     return s.alive || (s.asleep && b_.info[s.owner].place == Place::moving);
   }
-  std::uint32_t owner(std::uint32_t shape) const { return shape >= kWallLeft ? kNoSlot : statics_[shape].owner; }
+  Side side(std::uint32_t shape) const {
+    if (shape >= kWallLeft) return {};
+    return {statics_[shape].owner, statics_[shape].part};
+  }
+  /// The sides of a manifold.
+  Side first_of(const ManifoldPair& pair) const {
+    return pair.of_piece() ? side(pair.shape) : Side{pair.id_a, pair.part_a};
+  }
+  Side second_of(const ManifoldPair& pair) const { return {pair.id_b, pair.part_b}; }
 
   /// A point of a manifold and its gap, from where the bodies are now.
   Meeting manifold(const ManifoldPair& pair, std::uint32_t slot_a, std::uint32_t slot_b, int k, Vec2& point) const {
@@ -185,12 +203,12 @@ class ContactWriter {
     if (sa.hulls == nullptr && sb.hulls == nullptr) {
       const Meeting m = discs(to, sa.radius + sb.radius, {0, 1});
       const Load load{factor, touch.impulse[0], touch.friction[0]};
-      if (m.gap <= margin) out.push_back(of_disc(a, b, sa.at, sa.radius, m, load));
+      if (m.gap <= margin) out.push_back(of_disc({a}, {b}, sa.at, sa.radius, m, load));
       return;
     }
     const Manifold found = collide(sa.part(touch.parts.first), sa.q, sb.part(touch.parts.second), sb.q,
                                    static_cast<float>(to.x), static_cast<float>(to.y), static_cast<float>(margin));
-    share(touch, found, a, b, sa.at, true, factor, out);
+    share(touch, found, {a, touch.parts.first}, {b, touch.parts.second}, sa.at, true, factor, out);
   }
 
   void keep_fixed(const Touch& touch, std::vector<Contact>& out) const {
@@ -200,7 +218,7 @@ class ContactWriter {
     if (s.hulls == nullptr) {
       const Meeting m = fixed(s.at, s.radius, shape, {});
       const Load load{factor, touch.impulse[0], touch.friction[0]};
-      if (m.gap <= s.margin) out.push_back(of_disc(owner(shape), id, s.at, -s.radius, m, load));
+      if (m.gap <= s.margin) out.push_back(of_disc(side(shape), {id}, s.at, -s.radius, m, load));
       return;
     }
     const auto margin = static_cast<float>(s.margin);
@@ -214,12 +232,12 @@ class ContactWriter {
       const double reach = wide(b_.properties(id).radius) + s.margin + wide(statics_[shape].radius);
       manifold = collide(statics_.seen_from(shape, s.at, 4 * reach), {}, hull, s.q, 0, 0, margin);
     }
-    share(touch, manifold, owner(shape), id, s.at, false, factor, out);
+    share(touch, manifold, side(shape), {id, touch.parts.first}, s.at, false, factor, out);
   }
 
   // Gives the impulses of a touch to the points of a manifold, in order along the edge. The arms of side A (`of_a`) or
   // B start at `at`.
-  void share(const Touch& touch, const Manifold& m, std::uint32_t a, std::uint32_t b, const LatticePoint& at, bool of_a,
+  void share(const Touch& touch, const Manifold& m, const Side& a, const Side& b, const LatticePoint& at, bool of_a,
              double times, std::vector<Contact>& out) const {
     const Vec2 centre = world_.lattice.to_world(at);
     const bool flip = m.count == 2 && runs_backwards(m);

@@ -116,11 +116,13 @@ struct Approach {
   void statics(const std::vector<StaticPair>& pairs, std::vector<Candidate>& out) const {
     for (const auto& [i, shape, lane] : pairs) {
       if (!fast(kNoSlot, i)) continue;
-      const std::uint32_t owner = shape < kWallLeft ? world.statics[shape].owner : kNoSlot;
+      const bool wall = shape >= kWallLeft;
+      const std::uint32_t owner = wall ? kNoSlot : world.statics[shape].owner;
+      const std::uint32_t part = wall ? 0 : world.statics[shape].part;
       const Vec2 normal{wide(discs.fixed.nx[lane]), wide(discs.fixed.ny[lane])};
       const Vec2 d{wide(discs.fixed.base_x[lane]), wide(discs.fixed.base_y[lane])};
       const bool round = discs.fixed.refresh[lane] < 1e30f;
-      consider({{kNoSlot, owner}, {i, b.id[i]}, &discs.fixed.impulse, lane, normal},
+      consider({{kNoSlot, owner, {}, part}, {i, b.id[i]}, &discs.fixed.impulse, lane, normal},
                {d, round ? wide(discs.fixed.rsum[lane]) : 0, wide(discs.fixed.gap[lane]), -wide(b.radius[i])}, out);
     }
   }
@@ -133,8 +135,11 @@ struct Approach {
       const Vec2 normal{wide(pair.manifold.nx), wide(pair.manifold.ny)};
       for (int corner = 0; corner < pair.manifold.count; ++corner) {
         const ManifoldPoint& p = pair.manifold.point[corner];
-        const Candidate::Side first{pair.a, pair.id_a, {wide(p.ax), wide(p.ay)}};
-        const Candidate::Side second{pair.b, pair.id_b, {wide(p.bx), wide(p.by)}};
+        const std::uint32_t part_a = pair.of_wall()    ? 0
+                                     : pair.of_piece() ? world.statics[pair.shape].part
+                                                       : pair.part_a;
+        const Candidate::Side first{pair.a, pair.id_a, {wide(p.ax), wide(p.ay)}, part_a};
+        const Candidate::Side second{pair.b, pair.id_b, {wide(p.bx), wide(p.by)}, pair.part_b};
         Candidate c{first, second, nullptr, k, normal};
         if (pair.manifold.count == 2) {
           const ManifoldPoint& q = pair.manifold.point[1 - corner];
@@ -187,7 +192,7 @@ void HitList::collect(const Observed& world) {
     return std::tuple(c.a.id, c.b.id, wall.x, wall.y);
   };
   const auto order = [&](const Candidate& c) {
-    return std::tuple(who(c), -c.speed, c.point.x, c.point.y, c.normal.x, c.normal.y);
+    return std::tuple(who(c), -c.speed, c.point.x, c.point.y, c.normal.x, c.normal.y, c.a.part, c.b.part);
   };
   // Total order: all members that a hit shows.
   std::sort(answered_.begin(), answered_.end(),
@@ -196,7 +201,8 @@ void HitList::collect(const Observed& world) {
                                [&](const Candidate& x, const Candidate& y) { return who(x) == who(y); });
   hits.clear();
   for (auto c = answered_.begin(); c != end; ++c) {
-    hits.push_back({world.handle(c->a.id), world.handle(c->b.id), c->point, c->normal, c->speed, impulse_of(b, *c)});
+    hits.push_back({world.handle(c->a.id), world.handle(c->b.id), c->point, c->normal, c->speed, impulse_of(b, *c),
+                    c->a.part, c->b.part});
   }
   answered_.clear();
 }

@@ -26,6 +26,7 @@ class HitList {
       std::uint32_t slot = kNoSlot;  // kNoSlot: fixed
       std::uint32_t id = kNoSlot;    // kNoSlot: a wall
       Vec2 arm{};                    // m: of a manifold, from the centre to the point
+      std::uint32_t part = 0;
     };
     Side a, b;
     const Column<float>* impulses = nullptr;  // of the lanes of discs; null: a manifold

@@ -24,7 +24,7 @@ struct Ray {
   }
 
   RayHit answer(const Question& q, Vec2 p, const Met& e) const {
-    return {q.world.handle(e.body), p + e.at * u, e.where, whole > 0 ? e.at / whole : 0};
+    return {q.world.handle(e.body), p + e.at * u, e.where, whole > 0 ? e.at / whole : 0, e.part};
   }
 
   Vec2 from, u;
@@ -43,7 +43,7 @@ void cast(const Question& q, const Ray& ray, double& limit, const Each& each) {
                              ? enter(to, r, ray.u, limit)
                              : enter(QueryIndex::outline(q.world, part, item, to), ray.u, limit);
       if (e.at >= 0 && e.at <= limit && q.wants(item) && q.meets(part, item, e.normal)) {
-        each(Met{e.at, item.body, e.normal});
+        each(Met{e.at, item.body, e.normal, item.part});
       }
     };
     if (ray.length > 0) {
@@ -145,14 +145,14 @@ std::optional<ClosestHit> Queries::closest(Vec2 point, double reach, const Query
       if (dot(to, to) > far * far * (1 + 1e-12)) return;
       const NearPoint n = item.piece == QueryIndex::kDisc ? near_point(to, r)
                                                           : near_point(QueryIndex::outline(q.world, part, item, to));
-      const Met met{n.distance, item.body, n.point};
+      const Met met{n.distance, item.body, n.point, item.part};
       if (met.at > reach || !q.wants(item) || (best && !before(met, *best))) return;
       best = met;
       reach = met.at;
     });
   });
   if (!best) return {};
-  return ClosestHit{world.handle(best->body), point + best->where, best->at};
+  return ClosestHit{world.handle(best->body), point + best->where, best->at, best->part};
 }
 
 }  // namespace psim

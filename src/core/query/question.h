@@ -69,11 +69,12 @@ struct Met {
   double at = 0;  ///< m: how far away
   std::uint32_t body = 0;
   Vec2 where;  ///< the normal where a ray enters; or the point that is nearest
+  std::uint32_t part = 0;
 };
 
 /// The nearest comes first. Ties are broken so that the order depends on neither slots nor grids.
 inline bool before(const Met& a, const Met& b) {
-  return std::tie(a.at, a.body, a.where.x, a.where.y) < std::tie(b.at, b.body, b.where.x, b.where.y);
+  return std::tie(a.at, a.body, a.where.x, a.where.y, a.part) < std::tie(b.at, b.body, b.where.x, b.where.y, b.part);
 }
 
 /// How far a way of `length` metres along u is followed in a periodic world: for one length of the world along each axis.

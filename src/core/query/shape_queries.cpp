@@ -87,7 +87,7 @@ class ShapeCast {
           e = enter(difference(mine, other), u_, limit_);
         }
         if (!(e.at >= 0 && e.at <= limit_) || !q_.meets(part, item, e.normal)) return;
-        const Met met{e.at, item.body, e.normal};
+        const Met met{e.at, item.body, e.normal, item.part};
         if (found_ && !before(met, best_)) return;
         found_ = true;
         best_ = met;
@@ -111,7 +111,7 @@ class ShapeCast {
     if (!found_) return {};
     const Vec2 normal = best_.where;
     const Vec2 point = normal == Vec2{} ? from_ : base_ + nearest_point(mine_, other_, normal);
-    return ShapeCastHit{q_.world.handle(best_.body), point, normal, best_.at / scale_};
+    return ShapeCastHit{q_.world.handle(best_.body), point, normal, best_.at / scale_, best_.part};
   }
 
  private:
@@ -131,7 +131,7 @@ class ShapeCast {
 
 bool comes_before(const NearHit& a, const NearHit& b) {
   const auto key = [](const NearHit& h) {
-    return std::tie(h.distance, h.body.index, h.normal.x, h.normal.y, h.point.x, h.point.y);
+    return std::tie(h.distance, h.body.index, h.normal.x, h.normal.y, h.point.x, h.point.y, h.part);
   };
   return key(a) < key(b);
 }
@@ -180,7 +180,7 @@ std::size_t Queries::nearby(const Shape& shape, Vec2 position, double angle, dou
         if (!(gap.distance <= reach) || !q.meets(part, item, gap.normal)) return;
         const Vec2 point = position + middle + nearest_point(mine, other, gap.normal);
         const bool one_way = q.one_way(part, item) != Vec2{};
-        insert({q.world.handle(item.body), point, gap.normal, gap.distance, one_way}, count, found);
+        insert({q.world.handle(item.body), point, gap.normal, gap.distance, one_way, item.part}, count, found);
         ++count;
       });
     });
