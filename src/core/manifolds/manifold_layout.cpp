@@ -183,7 +183,8 @@ void Manifolds::release() {
   give_back(pairs_, old_pairs_, renewed_, before_, begin_, index_.first, index_.entries, found_, strips_, special_,
             stale_, shaped_, fixed_, crowded_, turned_, turning_, kind_, rotor_, inner_, used_, ties);
   boxes_.release();
-  boxed_ = false;
+  give_back(long_);
+  boxed_ = long_known_ = false;
 }
 
 void Manifolds::set_stack_role(std::uint32_t k, ManifoldPair::StackRole role) {

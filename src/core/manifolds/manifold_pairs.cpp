@@ -1,5 +1,6 @@
 // Decides which pairs are manifolds, and takes them out of the lists that the broad phase made for all bodies.
 #include <algorithm>
+#include <iterator>
 
 #include "base/tasks.h"
 
@@ -84,6 +85,12 @@ void Manifolds::spare(std::size_t pairs, std::size_t strips) {
   }
 }
 
+// Whether a circle says too little of a body.
+static bool is_long(const BodyKind& kind, float radius) {
+  constexpr float kLong = 0.6f;  // the inner radius is less than this share of the reach
+  return kind.hull_count > 1 || kind.inner < kLong * radius;
+}
+
 void Manifolds::begin_collect(const CollectSettings& settings, const PairTable& table, bool sorted) {
   const BodyStore& b = s_.bodies;
   keep_impulses();
@@ -100,6 +107,7 @@ void Manifolds::begin_collect(const CollectSettings& settings, const PairTable& 
   used_.reserve(slots);
   if (sorted) {
     shaped_.clear();
+    long_.clear();
     for (std::uint32_t i = 0; i < b.count; ++i) {
       kind_[i] = kDisc;
       if (b.id[i] == kNoSlot) continue;
@@ -110,10 +118,13 @@ void Manifolds::begin_collect(const CollectSettings& settings, const PairTable& 
       kind_[i] = static_cast<std::uint8_t>((shape ? kShape : 0) | (kind.filter != Filter{} ? kFiltered : 0) |
                                            (kind.sensor ? kSensor : 0) | (kind.first_part != 0 ? kParts : 0) |
                                            (held ? kKinematic : 0));
-      if (shape) shaped_.push_back(i);
+      if (!shape) continue;
+      shaped_.push_back(i);
+      if (step_ > 0 && is_long(kind, b.radius[i])) long_.push_back(i);
     }
     parts_.note(shaped_, settings.margin, settings.ahead, step_ == 0);
     boxed_ = false;
+    long_known_ = true;
   }
   parts_.prepare();
   if (step_ > 0) {
@@ -137,20 +148,22 @@ void Manifolds::begin_collect(const CollectSettings& settings, const PairTable& 
 
 // Finds the boxes of long shapes and of bodies of several parts as they lie now. Of all others a circle says enough.
 void Manifolds::box_shapes() {
-  constexpr float kLong = 0.6f;          // the inner radius is less than this share of the reach
   constexpr std::size_t kBodies = 1024;  // a job
+  if (!long_known_) {                    // a state came back
+    long_.clear();
+    std::ranges::copy_if(shaped_, std::back_inserter(long_), [&](std::uint32_t slot) {
+      return is_long(s_.bodies.kind(s_.bodies.id[slot]), s_.bodies.radius[slot]);
+    });
+  }
+  long_known_ = true;
+  if (long_.empty()) return;
   if (!boxed_) {
     boxes_.begin(kernels::round_up_block(s_.bodies.count));
-    for (const std::uint32_t slot : shaped_) {
-      const BodyKind& kind = s_.bodies.kind(s_.bodies.id[slot]);
-      if (kind.hull_count > 1 || kind.inner < kLong * s_.bodies.radius[slot]) boxes_.add(slot);
-    }
+    for (const std::uint32_t slot : long_) boxes_.add(slot);
   }
   boxed_ = true;
-  run_each(shaped_.size(), kBodies, s_.pool, [&](std::size_t n, std::size_t) {
-    const std::uint32_t slot = shaped_[n];
-    if (boxes_.has(slot)) boxes_.place(slot, rotor_of(s_.bodies.angle[slot]), 0);
-  });
+  run_each(long_.size(), kBodies, s_.pool,
+           [&](std::size_t n, std::size_t) { boxes_.place(long_[n], rotor_of(s_.bodies.angle[long_[n]]), 0); });
 }
 
 // Finds the boxes of the bodies of a few parts as the lists know them.

@@ -377,7 +377,8 @@ class Manifolds {
   std::vector<ManifoldPair> pairs_, old_pairs_;
   PartSearch parts_{s_};
   PartBoxes boxes_{s_};
-  bool boxed_ = false;  // those of the bodies that the lists are for are there
+  bool boxed_ = false;       // those of the bodies that the lists are for are there
+  bool long_known_ = false;  // long_ is that of shaped_
   Decisions decisions_;
   Walls walls_;
   std::vector<std::uint32_t> begin_;  // by strip: the first of its pairs
@@ -402,6 +403,7 @@ class Manifolds {
   Column<float> inner_{s_.memory};         // by slot: m, the inner radius in this step
   Column<std::uint32_t> used_{s_.memory};  // by slot, within a part of the step: what it counts or marks
   std::vector<std::uint32_t> shaped_;      // slots of bodies that are not discs
+  std::vector<std::uint32_t> long_;  // of those: long shapes and bodies of several parts, where steps select pairs
   Totals totals_;
   Looks looks_;                   // of the last refresh
   std::uint64_t new_pairs_ = 0;   // since then

@@ -143,6 +143,7 @@ void Manifolds::describe(Archive& a, const ManifoldsAround& around) {
   const std::uint32_t slots = s_.bodies.count;
   parts_.describe(a);
   boxed_ = boxed_ && !a.loading();
+  long_known_ = long_known_ && !a.loading();
   decisions_.describe(a, s_.bodies);
   values(a, pairs_);
   std::uint32_t own_end = std::min(own_end_, static_cast<std::uint32_t>(pairs_.size()));
