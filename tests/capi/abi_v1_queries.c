@@ -34,7 +34,7 @@ SIZE(psim_joint_break, 72);
   AT(psim_joint_break, force, 40);
   AT(psim_joint_break, torque, 56);
   AT(psim_joint_break, user_data, 64);
-SIZE(psim_events, 184);
+SIZE(psim_events, 200);
   AT(psim_events, struct_size, 0);
   AT(psim_events, reserved, 4);
   AT(psim_events, begin, 8);
