@@ -216,8 +216,10 @@ TEST(SlowSavedDamage, AnyNumberAnywhereIsRefusedOrServed) {
   for (std::size_t n = 0; n < worlds.size(); ++n) {
     Bytes state;
     worlds[n]->save(state);
-    const std::size_t step = std::max<std::size_t>(1, (state.size() - kHeader) / (kSanitized ? 100 : 1500));
-    for (std::size_t at = kHeader + n % step; at + 4 <= state.size(); at += step) {
+    // Every byte of the first numbers, which say how far the world is and what follows.
+    const std::size_t step = n == 0 && !kSanitized ? 1 : (state.size() - kHeader) / (kSanitized ? 100 : 1500);
+    for (std::size_t at = kHeader; at + 4 <= state.size();
+         at += at < kHeader + 300 ? 1 : std::max<std::size_t>(1, step)) {
       for (const std::uint32_t value : {0u, 1u, 500u, 0x7F800000u, 0x7FFFFFFFu, 0xFFFFFFFFu}) {
         Bytes bad = state;
         std::memcpy(bad.data() + at, &value, 4);

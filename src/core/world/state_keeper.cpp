@@ -166,6 +166,9 @@ class StateKeeper {
     const StepProgress& now = w_.progress;
     const BodyStore& bodies = w_.bodies;
     a.require(!last_ || bodies.count != 0);
+    // Lists that are to be used are there; only such that last are renewed.
+    a.require(last_ || lists_.stale || lists_.mode == ListMode::one_step || bodies.count == 0);
+    a.require(now.part != part_named("renew") || lasting());
     const bool cells = last_ || (now.makes_lists() && now.part > part_named("count"));
     lists_.broad.describe(a, w_.desc.boundary == Boundary::periodic, cells);
     if (lasting()) lists_.renewal.describe(a, bodies.count);
