@@ -24,6 +24,10 @@ inline psim_filter to_c(const Filter& f) { return {f.category, f.mask, f.group};
 inline psim_shape_hit to_c(const ShapeHit& h) { return {to_c(h.point), to_c(h.normal), h.fraction}; }
 inline psim_shape_gap to_c(const ShapeGap& g) { return {g.distance, to_c(g.point_a), to_c(g.point_b), to_c(g.normal)}; }
 inline psim_ray_hit to_c(const RayHit& h) { return {to_c(h.body), to_c(h.point), to_c(h.normal), h.fraction}; }
+inline psim_shape_cast_hit to_c(const ShapeCastHit& h) {
+  return {to_c(h.body), to_c(h.point), to_c(h.normal), h.fraction};
+}
+inline psim_closest_hit to_c(const ClosestHit& h) { return {to_c(h.body), to_c(h.point), h.distance}; }
 psim_cost_model to_c(const CostModel& m);
 psim_body_traits to_c(const BodyTraits& traits);
 psim_part_traits to_c(const PartTraits& traits);

@@ -53,18 +53,19 @@ void copy(std::span<const psim::BodyId> from, std::vector<psim_body_id>& to) {
   for (const psim::BodyId id : from) to.push_back(to_c(id));
 }
 
-}  // namespace
-
-namespace {
-
-// `part`: where to tell the part, or null.
-psim_result ray_cast(const psim_world* world, const char* name, psim_vec2 from, psim_vec2 to,
-                     const psim_query_filter* filter, psim_ray_hit* hit, std::uint32_t* part) {
+// Asks a question with one answer. `part`: where to tell its part, or null; `shape`: what it asks with, or null.
+template <class Hit, class Ask>
+psim_result first(const psim_world* world, const char* name, const psim_shape* const* shape,
+                  const psim_query_filter* filter, Hit* hit, std::uint32_t* part, const Ask& ask) {
   return guarded(world, name, [&](const psim::World& w, const Call& call) -> psim_result {
     if (hit == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "hit must not be NULL");
+    psim::Shape given;
+    if (shape != nullptr) {
+      if (const psim_result r = read_shape(call, *shape, given); r != PSIM_OK) return r;
+    }
     psim::QueryFilter f;
     if (const psim_result r = read_filter(call, filter, f); r != PSIM_OK) return r;
-    const auto found = w.ray_cast(to_cpp(from), to_cpp(to), f);
+    const auto found = ask(w, given, f);
     if (!found) return PSIM_NOTHING;
     *hit = to_c(*found);
     if (part != nullptr) *part = found->part;
@@ -72,35 +73,29 @@ psim_result ray_cast(const psim_world* world, const char* name, psim_vec2 from, 
   });
 }
 
+psim_result ray_cast(const psim_world* world, const char* name, psim_vec2 from, psim_vec2 to,
+                     const psim_query_filter* filter, psim_ray_hit* hit, std::uint32_t* part) {
+  return first(world, name, nullptr, filter, hit, part,
+               [&](const psim::World& w, const psim::Shape&, const psim::QueryFilter& f) {
+                 return w.ray_cast(to_cpp(from), to_cpp(to), f);
+               });
+}
+
 psim_result shape_cast(const psim_world* world, const char* name, const psim_shape* shape, psim_vec2 from, double angle,
                        psim_vec2 translation, double rotation, const psim_query_filter* filter,
                        psim_shape_cast_hit* hit, std::uint32_t* part) {
-  return guarded(world, name, [&](const psim::World& w, const Call& call) -> psim_result {
-    if (hit == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "hit must not be NULL");
-    psim::Shape given;
-    if (const psim_result r = read_shape(call, shape, given); r != PSIM_OK) return r;
-    psim::QueryFilter f;
-    if (const psim_result r = read_filter(call, filter, f); r != PSIM_OK) return r;
-    const auto found = w.shape_cast(given, to_cpp(from), angle, to_cpp(translation), rotation, f);
-    if (!found) return PSIM_NOTHING;
-    *hit = {to_c(found->body), to_c(found->point), to_c(found->normal), found->fraction};
-    if (part != nullptr) *part = found->part;
-    return PSIM_OK;
-  });
+  return first(world, name, &shape, filter, hit, part,
+               [&](const psim::World& w, const psim::Shape& given, const psim::QueryFilter& f) {
+                 return w.shape_cast(given, to_cpp(from), angle, to_cpp(translation), rotation, f);
+               });
 }
 
 psim_result closest(const psim_world* world, const char* name, psim_vec2 point, double reach,
                     const psim_query_filter* filter, psim_closest_hit* hit, std::uint32_t* part) {
-  return guarded(world, name, [&](const psim::World& w, const Call& call) -> psim_result {
-    if (hit == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "hit must not be NULL");
-    psim::QueryFilter f;
-    if (const psim_result r = read_filter(call, filter, f); r != PSIM_OK) return r;
-    const auto found = w.closest(to_cpp(point), reach, f);
-    if (!found) return PSIM_NOTHING;
-    *hit = {to_c(found->body), to_c(found->point), found->distance};
-    if (part != nullptr) *part = found->part;
-    return PSIM_OK;
-  });
+  return first(world, name, nullptr, filter, hit, part,
+               [&](const psim::World& w, const psim::Shape&, const psim::QueryFilter& f) {
+                 return w.closest(to_cpp(point), reach, f);
+               });
 }
 
 }  // namespace

@@ -33,7 +33,7 @@ class ListRenewal {
   bool find(float time, std::span<const std::uint32_t> others);
   /// Whether they were found, and velocities have not changed since.
   bool known() const { return known_; }
-  /// Those that were found: slots, ascending.
+  /// The slots of the bodies that find() found, ascending.
   std::span<const std::uint32_t> bodies() const { return found_; }
   bool any() const { return known_ && !found_.empty(); }
   std::uint32_t count() const { return static_cast<std::uint32_t>(found_.size()); }

@@ -223,7 +223,7 @@ struct Manifolds::Look {
     const Manifold& m = pair.manifold;
     pair.lasting = m.count == 2 || (pair.round_a == 0 && pair.round_b == 0);
     if (found.count == 0) {
-      // Of a piece of fixed geometry only what is near was looked at.
+      // Look sees of a piece of fixed geometry only what is near the body.
       const float far = pair.of_piece() ? 2 * hull_b.reach : kNoGap;
       const float gap = std::min(found.point[0].gap, far), sizes = hull_b.reach + (a != nullptr ? a->reach : 0.0f);
       pair.gap[0] = gap - kUnsure * (std::fabs(gap) + sizes);

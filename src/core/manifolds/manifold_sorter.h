@@ -96,7 +96,8 @@ struct Manifolds::Sorter {
     return {pair.a, pair.b, kernels::snapped(way.x), kernels::snapped(way.y), Look::margin_of(most_inner, wanted)};
   }
 
-  // Of lists that last: how two bodies lay when they were made, and how far they may go and turn until they are made anew.
+  // For lists that last: how two bodies lay when the lists were made, and how far both may go and turn until the lists
+  // are made anew.
   PartBoxes::Pair as_they_lay(const PairName& pair) const {
     const Vec2 way = m.parts_.way(pair.a, pair.b);
     const double within = m.parts_.margin_of(pair.a) + m.parts_.margin_of(pair.b);

@@ -142,8 +142,8 @@ class Manifolds {
   std::span<const std::uint32_t> turned_parts(float time) { return parts_.find_turned(time); }
   /// The lists were made anew, with such margins, for the bodies in `slots`, ascending (renewal.h).
   void note_renewed(std::span<const std::uint32_t> slots, const kernels::ReachParams& margin);
-  /// Of the new pairs and static contacts of those, those of discs stay, and those that are manifolds are noted. O(pairs
-  /// of such bodies), and once O(pairs).
+  /// Takes the manifolds out of the new pairs and static contacts of these bodies, and notes them. The contacts of discs
+  /// stay there. O(pairs of such bodies), and once O(pairs).
   void sort_out_renewed(const Joined* joined, std::vector<std::uint64_t>& pairs, std::vector<StaticPair>& near);
   /// The noted manifolds replace those that these bodies had before. O(manifolds of renewed bodies).
   void put_renewed(const std::function<bool(std::uint32_t)>& found);

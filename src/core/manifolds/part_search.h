@@ -53,7 +53,7 @@ class PartSearch {
   /// The bodies of several parts, but not many, by slot.
   std::span<const Noted> few() const { return few_; }
   const Noted* few_of(std::uint32_t slot) const { return find(few_, slot); }
-  /// Of those, the ones that turn further than the lists allow for `time` seconds more. O(such bodies).
+  /// Finds which bodies of several parts turn further than the lists allow within `time` seconds. O(such bodies).
   std::span<const std::uint32_t> find_turned(float time);
   /// Makes the trees of their shapes, if they are not there. Call before find().
   void prepare();
