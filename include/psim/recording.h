@@ -32,11 +32,20 @@ class PSIM_API Recorder {
   StepReport step(double dt);
   BodyId add_body(const BodyDesc& desc, std::string& error);
   std::size_t add_discs(const DiscBatch& batch, std::uint32_t& first, std::string& error);
+  std::size_t add_bodies(std::span<const BodyDesc> descs, std::span<BodyId> ids, std::string& error);
   bool remove_body(BodyId id);
   std::size_t remove_bodies(std::span<const BodyId> ids);
   bool set_transform(BodyId id, Vec2 position, double angle);
   bool set_velocity(BodyId id, Vec2 velocity, double angular_velocity);
   bool apply_impulse(BodyId id, Vec2 impulse);
+  std::size_t set_transforms(std::span<const BodyId> ids, std::span<const Vec2> positions,
+                             std::span<const double> angles);
+  std::size_t set_velocities(std::span<const BodyId> ids, std::span<const Vec2> velocities,
+                             std::span<const double> angular_velocities);
+  std::size_t apply_impulses(std::span<const BodyId> ids, std::span<const Vec2> impulses);
+  std::size_t apply_forces(std::span<const BodyId> ids, std::span<const Vec2> forces);
+  std::size_t set_traits_of(std::span<const BodyId> ids, std::span<const BodyTraits> traits);
+  std::size_t set_enabled_of(std::span<const BodyId> ids, bool on);
   bool apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point);
   bool apply_angular_impulse(BodyId id, double impulse);
   bool set_body(BodyId id, const BodyDesc& desc, std::string& error);

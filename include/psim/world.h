@@ -91,11 +91,15 @@ class PSIM_API World {
   /// second.
   std::size_t add_discs(const DiscBatch& batch, std::uint32_t& first, std::string& error);
 
+  /// Adds many, in their order, and writes their handles into `ids`, which has room for all. Returns how many: the first
+  /// that is refused ends the call with one line in `error`, and those before it are there.
+  std::size_t add_bodies(std::span<const BodyDesc> descs, std::span<BodyId> ids, std::string& error);
+
   /// Removes a body; false if the id is stale. What leaned on it falls.
   bool remove_body(BodyId id);
 
-  /// Removes many; returns how many. Those whose id is stale are passed over. If memory runs out (out_of_memory) those
-  /// that come later stay.
+  /// Removes many; returns how many. Those whose id is stale are passed over. Bodies that sleep go together: only what
+  /// leaned on them and stays wakes. If memory runs out (out_of_memory) some stay.
   std::size_t remove_bodies(std::span<const BodyId> ids);
 
   /// Whether the body is there.
@@ -129,6 +133,23 @@ class PSIM_API World {
   bool set_velocity(BodyId id, Vec2 velocity, double angular_velocity);
   /// Adds impulse / mass to the velocity, N s. False as set_transform.
   bool apply_impulse(BodyId id, Vec2 impulse);
+
+  /// Many bodies in one call: what the function for one does with ids[k] and the k-th values, in this order. Returns for
+  /// how many it was true. 0, and nothing changes, if the spans differ in length. If memory runs out (out_of_memory) those
+  /// that come later are as they were.
+  ///@{
+  std::size_t set_transforms(std::span<const BodyId> ids, std::span<const Vec2> positions,
+                             std::span<const double> angles);
+  std::size_t set_velocities(std::span<const BodyId> ids, std::span<const Vec2> velocities,
+                             std::span<const double> angular_velocities);
+  std::size_t apply_impulses(std::span<const BodyId> ids, std::span<const Vec2> impulses);
+  std::size_t apply_forces(std::span<const BodyId> ids, std::span<const Vec2> forces);
+  std::size_t set_traits_of(std::span<const BodyId> ids, std::span<const BodyTraits> traits);
+  std::size_t set_enabled_of(std::span<const BodyId> ids, bool on);
+  ///@}
+  /// Place and motion of many bodies, into states[k] those of ids[k]; of a stale id a state whose id is kNoBody. Returns
+  /// how many are there; 0, and nothing is written, if the spans differ in length.
+  std::size_t states_of(std::span<const BodyId> ids, std::span<BodyState> states) const;
 
   /// N s at a world point, metres: turns the body too. False as set_transform.
   bool apply_impulse_at(BodyId id, Vec2 impulse, Vec2 point);

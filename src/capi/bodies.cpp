@@ -90,9 +90,7 @@ psim_result psim_world_add_bodies(psim_world* world, const psim_body_desc* descs
     if (count != 0 && descs == nullptr) {
       return call.fail(PSIM_ERROR_ARGUMENT, "descs must not be NULL");
     }
-    if (count > 1 && (stride < 8 || stride % alignof(psim_body_desc) != 0)) {
-      return call.fail(PSIM_ERROR_ARGUMENT, "stride must be the size of a description, a multiple of 8");
-    }
+    if (const psim_result r = check_stride(call, count, stride); r != PSIM_OK) return r;
     const auto* at = reinterpret_cast<const unsigned char*>(descs);
     for (std::size_t k = 0; k < count; ++k) {
       const psim_result result = add(call, reinterpret_cast<const psim_body_desc*>(at + k * stride),
@@ -169,7 +167,7 @@ psim_result psim_world_body(const psim_world* world, psim_body_id id, psim_body_
     if (state == nullptr) return call.fail(PSIM_ERROR_ARGUMENT, "state must not be NULL");
     const auto s = w.body(to_cpp(id));
     if (!s) return stale_body(call, id.index);
-    *state = {to_c(s->id), s->x, s->y, s->angle, s->vx, s->vy, s->omega, s->radius, static_cast<int32_t>(s->type), 0};
+    *state = to_c(*s);
     return PSIM_OK;
   });
 }
@@ -194,18 +192,6 @@ psim_result psim_world_apply_impulse_at(psim_world* world, psim_body_id id, psim
 
 psim_result psim_world_apply_angular_impulse(psim_world* world, psim_body_id id, double impulse) {
   return push(world, __func__, id, [&](auto& w) { return w.apply_angular_impulse(to_cpp(id), impulse); });
-}
-
-psim_result psim_world_remove_bodies(psim_world* world, const psim_body_id* ids, size_t count, size_t* removed) {
-  return guarded(world, __func__, [&](psim::World&, const Call& call) -> psim_result {
-    if (ids == nullptr && count != 0) return call.fail(PSIM_ERROR_ARGUMENT, "ids must not be NULL");
-    std::vector<psim::BodyId> given;
-    given.reserve(count);
-    for (std::size_t k = 0; k < count; ++k) given.push_back(to_cpp(ids[k]));
-    const std::size_t gone = world->changed([&](auto& w) { return w.remove_bodies(given); });
-    if (removed != nullptr) *removed = gone;
-    return PSIM_OK;
-  });
 }
 
 psim_result psim_world_centre_of_mass(const psim_world* world, psim_body_id id, psim_vec2* centre) {

@@ -28,6 +28,9 @@ inline psim_shape_cast_hit to_c(const ShapeCastHit& h) {
   return {to_c(h.body), to_c(h.point), to_c(h.normal), h.fraction};
 }
 inline psim_closest_hit to_c(const ClosestHit& h) { return {to_c(h.body), to_c(h.point), h.distance}; }
+inline psim_body_state to_c(const BodyState& s) {
+  return {to_c(s.id), s.x, s.y, s.angle, s.vx, s.vy, s.omega, s.radius, static_cast<int32_t>(s.type), 0};
+}
 psim_cost_model to_c(const CostModel& m);
 psim_body_traits to_c(const BodyTraits& traits);
 psim_part_traits to_c(const PartTraits& traits);

@@ -42,6 +42,12 @@ psim_result read(const Call& call, const char* what, const T* in, T& out) {
   return PSIM_OK;
 }
 
+/// Whether structs that lie `stride` bytes apart can be read.
+inline psim_result check_stride(const Call& call, std::size_t count, std::size_t stride) {
+  if (count <= 1 || (stride >= 8 && stride % 8 == 0)) return PSIM_OK;
+  return call.fail(PSIM_ERROR_ARGUMENT, "stride must be the size of a description, a multiple of 8");
+}
+
 /// The caller's run options, or the defaults for NULL; PSIM_ERROR_UNSUPPORTED where the CPU lacks the
 /// instruction set.
 psim_result read_options(const Call& call, const psim_run_options* options, RunOptions& out);

@@ -221,28 +221,61 @@ void Session::add_tower() {
   const bool boxes = in_.chance(128);
   const double low = in_.uniform(-6, 0), high = low + in_.uniform(0, 6);
   say("tower of %zu, masses 1e%g to 1e%g", n, low, high);
+  std::vector<BodyDesc> descs(n);
   for (std::size_t k = 0; k < n; ++k) {
-    BodyDesc d;
+    BodyDesc& d = descs[k];
     d.shape = boxes ? Shape(BoxShape{1, 1, 0}) : Shape(DiscShape{0.5});
     d.position = {foot.x, foot.y + static_cast<double>(k)};
     d.mass = std::pow(10, in_.chance(128) ? low : high);
     d.material.friction = 0.5;
-    add(d);
   }
+  std::vector<BodyId> ids(n);
+  const auto added = change<std::size_t>("add_bodies", [&](auto& w) {
+    std::string error;
+    const std::size_t got = w.add_bodies(descs, ids, error);
+    require((got == n) == error.empty(), "add_bodies: all or an error");
+    if (got != n) refused(error);
+    return got;
+  });
+  for (std::size_t k = 0; k < added; ++k) live(ids[k]);
 }
 
-// The same velocity or impulse for every second, third, ... body.
+// The same for every second, third, ... body, in one call: a velocity or an impulse, or what the digits say.
 void Session::push_many() {
   const std::size_t stride = 1 + in_.below(8);
   const bool velocity = in_.chance(128);
   const Vec2 v = in_.vec2(-100, 100);
   const double turn = in_.number(-50, 50);
-  say("push every %zu. body: %g %g turn %g", stride, v.x, v.y, turn);
+  const Digits digits(v);
+  ByteSource own(digits);
+  const std::size_t which = own.chance(64) ? own.below(4) : 4;
+  say("push every %zu. body by %zu: %g %g turn %g", stride, which, v.x, v.y, turn);
+  std::vector<BodyId> ids;
+  std::vector<BodyTraits> traits;
   for (std::size_t k = 0; k < bodies_.size(); k += stride) {
-    const BodyId id = bodies_[k];
-    change<bool>("pushing a body",
-                 [&](auto& w) { return velocity ? w.set_velocity(id, v, turn) : w.apply_impulse(id, v); });
+    ids.push_back(bodies_[k]);
+    traits.push_back(worlds_.front()->traits(bodies_[k]).value_or(BodyTraits{}));
+    traits.back().friction = own.number(0, 1);
   }
+  const std::vector<Vec2> vectors(ids.size(), v);
+  const std::vector<double> turns(ids.size(), turn);
+  const auto changed = change<std::size_t>("changing many bodies", [&](auto& w) {
+    switch (which) {
+      case 0:
+        return w.set_traits_of(ids, traits);
+      case 1:
+        return w.set_enabled_of(ids, turn > 0);
+      case 2:
+        return w.apply_forces(ids, vectors);
+      case 3:
+        return w.set_transforms(ids, vectors, turns);
+      default:
+        return velocity ? w.set_velocities(ids, vectors, turns) : w.apply_impulses(ids, vectors);
+    }
+  });
+  require(changed <= ids.size(), "more bodies changed than were named");
+  std::vector<BodyState> states(ids.size());
+  require(worlds_.front()->states_of(ids, states) == ids.size(), "states_of: living ones");
 }
 
 void Session::remove_many() {

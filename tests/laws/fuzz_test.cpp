@@ -232,6 +232,9 @@ std::vector<std::byte> seed_recording(World& world, bool governed) {
   traits.pre_solve = true;
   recorder.set_traits(other, traits);
   recorder.set_user_data(other, 7);
+  std::vector<BodyId> more(3);
+  recorder.add_bodies(std::vector<BodyDesc>(3, disc({-2, 6})), more, error);
+  recorder.remove_bodies(std::span(more).first(2));
   if (governed) recorder.replay({2, true, 1, 1});
   recorder.step(0.01);
   recorder.remove_joint(tied);

@@ -4,6 +4,7 @@
 #include <psim.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -53,6 +54,11 @@ const std::vector<Named>& calls() {
       {"add discs", [](World& w) { return w.add_discs(given().discs, first, error) == 4; }},
       {"add fixed discs", [](World& w) { return w.add_discs(given().fixed, first, error) == 4; }},
       {"remove a sleeper", [](World& w) { return w.remove_body(nth(w, kAsleep)); }},
+      {"remove sleepers",
+       [](World& w) {
+         const std::array ids{nth(w, kAsleep), nth(w, kAsleep + 1)};
+         return w.remove_bodies(ids) == 2;
+       }},
       {"remove what is joined", [](World& w) { return w.remove_body(nth(w, kJoined)); }},
       {"remove a moving body", [](World& w) { return w.remove_body(nth(w, kAwake)); }},
       {"remove the ground", [](World& w) { return w.remove_body(nth(w, 0)); }},
@@ -420,6 +426,8 @@ TEST(NoRoom, ARecordingHoldsWhatWasDone) {
     recorder.add_body(disc_at(-3.5, 1.2), error);
     recorder.apply_impulse(world->id_of(kAsleep), {1, 2});
     recorder.step();
+    const std::array gone{world->id_of(kAsleep + 1), world->id_of(kAwake), world->id_of(kAsleep + 2)};
+    recorder.remove_bodies(gone);
     recorder.remove_body(world->id_of(kJoined));
     recorder.step();
     fail_allocation(0);

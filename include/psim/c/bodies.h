@@ -84,9 +84,42 @@ PSIM_API psim_result psim_world_apply_torque(psim_world* world, psim_body_id id,
 /// PSIM_ERROR_ARGUMENT for a number out of its range.
 PSIM_API psim_result psim_world_explode(psim_world* world, const psim_explosion* explosion, size_t* pushed);
 
-/// Removes many; `removed` gets how many, unless it is NULL. Those whose id is stale are passed over.
+/// Removes many; `removed` gets how many, unless it is NULL. Those whose id is stale are passed over. Bodies that sleep go
+/// together: only what leaned on them and stays wakes. If memory runs out (PSIM_ERROR_OUT_OF_MEMORY) some stay.
 PSIM_API psim_result psim_world_remove_bodies(psim_world* world, const psim_body_id* ids, size_t count,
                                               size_t* removed);
+
+/// Many bodies in one call: what the function for one does with ids[k] and the k-th values, in this order. `changed` gets
+/// for how many it was done, unless it is NULL; ids that are stale, bodies that do not move and numbers out of their ranges
+/// are passed over. PSIM_ERROR_ARGUMENT if an array is NULL. If memory runs out (PSIM_ERROR_OUT_OF_MEMORY) those that come
+/// later are as they were.
+/// @{
+/// As psim_world_set_transform.
+PSIM_API psim_result psim_world_set_transforms(psim_world* world, const psim_body_id* ids, size_t count,
+                                               const psim_vec2* positions, const double* angles, size_t* changed);
+/// As psim_world_set_velocity.
+PSIM_API psim_result psim_world_set_velocities(psim_world* world, const psim_body_id* ids, size_t count,
+                                               const psim_vec2* velocities, const double* angular_velocities,
+                                               size_t* changed);
+/// As psim_world_apply_impulse.
+PSIM_API psim_result psim_world_apply_impulses(psim_world* world, const psim_body_id* ids, size_t count,
+                                               const psim_vec2* impulses, size_t* changed);
+/// As psim_world_apply_force.
+PSIM_API psim_result psim_world_apply_forces(psim_world* world, const psim_body_id* ids, size_t count,
+                                             const psim_vec2* forces, size_t* changed);
+/// As psim_world_set_enabled.
+PSIM_API psim_result psim_world_set_enabled_of(psim_world* world, const psim_body_id* ids, size_t count, int32_t on,
+                                               size_t* changed);
+/// As psim_world_set_traits. The structs lie `stride` bytes apart (sizeof(psim_body_traits) for an array); if one of them
+/// has a field that cannot be read, nothing changes.
+PSIM_API psim_result psim_world_set_traits_of(psim_world* world, const psim_body_id* ids, size_t count,
+                                              const psim_body_traits* traits, size_t stride, size_t* changed);
+/// @}
+
+/// Place and motion of many bodies, into states[k] those of ids[k]; of a stale id a state whose id is that of no body.
+/// `known` gets how many are there, unless it is NULL. PSIM_ERROR_ARGUMENT if an array is NULL.
+PSIM_API psim_result psim_world_states_of(const psim_world* world, const psim_body_id* ids, size_t count,
+                                          psim_body_state* states, size_t* known);
 
 /// Where the mass of a body is, metres; of a static body its place. PSIM_ERROR_STALE_ID.
 PSIM_API psim_result psim_world_centre_of_mass(const psim_world* world, psim_body_id id, psim_vec2* centre);

@@ -24,6 +24,22 @@ std::string check(const BodyTraits& traits, BodyType type);
 std::string check(const PartTraits& traits);
 std::string check(const DiscBatch& batch, const Bounds& bounds);
 
+/// Adds bodies to a World or a Recorder in their order, until one is refused. Returns how many.
+template <class Adder>
+std::size_t add_in_order(Adder& to, std::span<const BodyDesc> descs, std::span<BodyId> ids, std::string& error) {
+  error.clear();
+  if (ids.size() != descs.size()) {
+    error = "there must be as much room for handles as there are descriptions";
+    return 0;
+  }
+  std::size_t added = 0;
+  for (; added < descs.size(); ++added) {
+    ids[added] = to.add_body(descs[added], error);
+    if (ids[added] == kNoBody) break;
+  }
+  return added;
+}
+
 /// One disc of a batch.
 BodyDesc disc_of(const DiscBatch& batch, std::size_t i);
 

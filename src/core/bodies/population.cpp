@@ -262,8 +262,13 @@ void Population::go_round(std::uint32_t id, Vec2 velocity) {
 
 // A body is not among the moving ones any more.
 void Population::leave_columns(std::uint32_t id) {
-  const BodyProperties& properties = bodies.properties(id);
   bodies.leave(bodies.info[id].slot);
+  leave_lists(id);
+}
+
+// Neither is it counted or in the lists of what few bodies have.
+void Population::leave_lists(std::uint32_t id) {
+  const BodyProperties& properties = bodies.properties(id);
   count(properties, -1, traits);
   if (properties.type() == BodyType::kinematic_body) kinematics.remove(id);
   if (bodies.kinds[properties.kind].bullet) bullets.remove(id);
@@ -298,6 +303,8 @@ void Population::remove(std::uint32_t id) {
   make_room_to_leave(1, info.place == Place::fixed || hidden);
   if (info.place == Place::moving) {
     leave_columns(id);
+  } else if (info.place == Place::asleep) {
+    leave_lists(id);
   } else if (info.place == Place::fixed) {
     statics.remove(fixed[info.slot].first_shape, id);
     leave_list(fixed, id);

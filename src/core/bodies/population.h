@@ -52,7 +52,7 @@ class Population {
   void make_room_to_leave(std::size_t bodies, bool fixed);
   /// Forgets all bodies: there was no memory to read them.
   void lose_all();
-  /// Takes a body out that does not sleep. Slots may change.
+  /// Takes a body out, one that sleeps after Sleep::let_go(). Slots may change.
   void remove(std::uint32_t id);
   /// Makes room for one disabled body more.
   void make_room_to_disable() { disabled.reserve(roomier(disabled)); }
@@ -152,6 +152,7 @@ class Population {
   void enter_columns(const DisabledBody& as);
   void enter_statics(std::uint32_t id, const BodyDesc& desc, std::vector<Piece>& pieces);
   void leave_columns(std::uint32_t id);
+  void leave_lists(std::uint32_t id);
   template <class Entry>
   void leave_list(std::vector<Entry>& list, std::uint32_t id);
   std::uint32_t part_count(std::uint32_t id) const;

@@ -148,11 +148,16 @@ void StaticShapes::make_room_to_leave(std::size_t bodies, bool fixed) {
   if (size > runs.capacity()) runs.reserve(2 * size);
 }
 
-void StaticShapes::remove_sleeping(std::uint32_t first, std::uint32_t count) {
-  for (std::uint32_t k = first; k < first + count; ++k) {
-    drop(k);
-    sleepers_.remove(k);
-  }
+void StaticShapes::lift_sleeping(std::uint32_t first, std::uint32_t count) {
+  for (std::uint32_t k = first; k < first + count; ++k) sleepers_.remove(k);
+}
+
+void StaticShapes::lay_back(std::uint32_t first, std::uint32_t count) {
+  for (std::uint32_t k = first; k < first + count; ++k) enter(sleepers_, k);
+}
+
+void StaticShapes::drop_lifted(std::uint32_t first, std::uint32_t count) {
+  for (std::uint32_t k = first; k < first + count; ++k) drop(k);
   left_.emplace_back(first, count);
 }
 

@@ -125,7 +125,14 @@ class StaticShapes {
   /// Makes room for the places of so many bodies that wake, or that are `fixed` and go, which need no memory then.
   void make_room_to_leave(std::size_t bodies, bool fixed);
   /// Removes the pieces of a body that wakes. Their numbers are given to others only after the next build_grid().
-  void remove_sleeping(std::uint32_t first, std::uint32_t count);
+  void remove_sleeping(std::uint32_t first, std::uint32_t count) {
+    lift_sleeping(first, count);
+    drop_lifted(first, count);
+  }
+  /// The same in two steps: near() does not find the pieces any more, and either they go or lay_back() puts them back.
+  void lift_sleeping(std::uint32_t first, std::uint32_t count);
+  void drop_lifted(std::uint32_t first, std::uint32_t count);
+  void lay_back(std::uint32_t first, std::uint32_t count);
 
   std::size_t size() const { return count_; }
   const StaticShape& operator[](std::uint32_t i) const { return statics_[i]; }

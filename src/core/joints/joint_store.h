@@ -145,6 +145,8 @@ class JointStore {
       i = joints_[i].next_of(body);
     }
   }
+  /// Whether a body has joints.
+  bool ties(std::uint32_t body) const { return first_of(body) != kNoSlot; }
   /// A body fell asleep or woke, was disabled or enabled, or its mass or locks changed: joints of which nothing can be
   /// moved, or a side sleeps or is disabled, are left out from now on. O(joints of the body).
   void follow(std::uint32_t body);

@@ -67,6 +67,12 @@ class EventList {
     if (!same) removed_.push_back(id);
   }
 
+  /// Makes room to be told of so many bodies that are removed.
+  void make_room_to_leave(std::size_t bodies) {
+    const std::size_t all = removed_.size() + bodies;
+    if (on() && all > removed_.capacity()) removed_.reserve(2 * all);
+  }
+
   /// Before the solver: notes which contacts may become hits. O(contacts), if the host asks for hits.
   void approach(const Observed& world, double dt) {
     if (options_.hits) hits_.approach(world, options_.hit_speed, dt);

@@ -33,6 +33,7 @@ struct Sleeper {
   float substep = 0;                           ///< s: its touches carried their impulses in so long a time
   std::uint32_t group = kNoSlot;               ///< bodies of one stack have the same group and wake together
   bool creeps = false;  ///< it crept or trembled when it fell asleep: one that does so beside it does not wake it
+  bool goes = false;    ///< Sleep::let_go() is at work, and it does not wake any more
 };
 
 /// The only piece of a plain disc that sleeps.

@@ -2,6 +2,7 @@
 // on them. Each caller fills the queue of those to wake; wake_queued() empties it.
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "base/elementary.h"
@@ -41,19 +42,24 @@ bool touches(const LatticePoint& at, double reach, const StaticShape& shape, con
   return dot(way, way) <= (reach + round) * (reach + round);
 }
 
+// A sleeper goes out of the list.
+void leave_list(BodyStore& bodies, Sleepers& sleepers, std::uint32_t id) {
+  const std::uint32_t k = bodies.info[id].slot;
+  sleepers.dropped += sleepers.list[k].touches;
+  sleepers.list[k] = sleepers.list.back();
+  bodies.info[sleepers.list[k].id].slot = k;
+  sleepers.list.pop_back();
+}
+
 // Brings a body back into the columns, at rest where it lay.
 void wake_one(const SleepSource& source, Sleepers& sleepers, std::uint32_t id) {
   BodyStore& bodies = source.population.bodies;
-  const std::uint32_t k = bodies.info[id].slot;
-  const Sleeper s = sleepers.list[k];
+  const Sleeper s = sleepers.list[bodies.info[id].slot];
   // All room is made before anything changes: if there is none, the body stays asleep.
   bodies.reserve_slots(1);
   source.population.statics.make_room_to_leave(1, false);
   sleepers.recent.make_room_for_more(s.touches);
-  sleepers.list[k] = sleepers.list.back();
-  bodies.info[sleepers.list[k].id].slot = k;
-  sleepers.list.pop_back();
-  sleepers.dropped += s.touches;
+  leave_list(bodies, sleepers, id);
   source.population.statics.remove_sleeping(s.first_shape, s.pieces);
   for (std::uint32_t t = s.first_touch; t < s.first_touch + s.touches; ++t) sleepers.recent.add(sleepers.touches[t]);
   bodies.enter(id, s.at, s.angle);
@@ -82,6 +88,23 @@ void ask_joined_and_stacked(const SleepSource& source, Sleepers& sleepers, const
   });
 }
 
+// Queues those that are stacked with bodies that go: all of their groups.
+void ask_stacked(Sleepers& sleepers, std::span<const std::uint32_t> going, const BodyStore& bodies) {
+  std::vector<std::uint32_t>& groups = sleepers.roots;
+  groups.clear();
+  for (const std::uint32_t id : going) {
+    const std::uint32_t group = sleepers.list[bodies.info[id].slot].group;
+    if (group != kNoSlot) groups.push_back(group);
+  }
+  if (groups.empty()) return;
+  sort_keys(groups.begin(), groups.end());
+  for (const Sleeper& s : sleepers.list) {
+    if (!s.goes && std::binary_search(groups.begin(), groups.end(), s.group)) {
+      sleepers.queue.push_back({s.id, Waking::kAbove});
+    }
+  }
+}
+
 // Calls each(body) for the sleepers whose box a square of half width `reach`, m, meets.
 template <class Each>
 void each_sleeper_near(const SleepSource& source, Sleepers& sleepers, const LatticePoint& at, float reach,
@@ -99,15 +122,13 @@ void ask_around(const SleepSource& source, Sleepers& sleepers, const LatticePoin
   each_sleeper_near(source, sleepers, at, reach, [&](std::uint32_t id) { sleepers.queue.push_back({id, rings}); });
 }
 
-// Queues the sleeping neighbours of a body that woke: one ring of them, or those that may lean on it.
-void ask_neighbours(const SleepSource& source, Sleepers& sleepers, const Sleeper& woken, std::uint32_t rings) {
+// Queues the sleepers that may lean on a body.
+void ask_above(const SleepSource& source, Sleepers& sleepers, const Sleeper& of) {
   const BodyStore& bodies = source.population.bodies;
-  const float reach = bodies.properties(woken.id).radius;
-  if (rings != Waking::kAbove) return ask_around(source, sleepers, woken.at, reach, rings - 1);
-  if (sleepers.queue.size() > Sleepers::kMostAbove) return;
+  const float reach = bodies.properties(of.id).radius;
   const Vec2 g = source.gravity;
-  each_sleeper_near(source, sleepers, woken.at, reach, [&](std::uint32_t id) {
-    const Vec2 way = source.lattice.steps(woken.at, sleepers.list[bodies.info[id].slot].at);
+  each_sleeper_near(source, sleepers, of.at, reach, [&](std::uint32_t id) {
+    const Vec2 way = source.lattice.steps(of.at, sleepers.list[bodies.info[id].slot].at);
     const bool below = dot(way, g) > 0.1 * length_of(g) * static_cast<double>(reach);
     if (!below) sleepers.queue.push_back({id, Waking::kAbove});
   });
@@ -117,6 +138,7 @@ void ask_neighbours(const SleepSource& source, Sleepers& sleepers, const Sleeper
 bool wake_queued(const SleepSource& source, Sleepers& sleepers) {
   BodyStore& bodies = source.population.bodies;
   std::vector<Waking>& queue = sleepers.queue;
+  const std::size_t most_above = std::max(Sleepers::kMostAbove, 2 * queue.size());
   bool any = false;
   or_else([&] { queue.clear(); },
           [&] {
@@ -124,12 +146,17 @@ bool wake_queued(const SleepSource& source, Sleepers& sleepers) {
               const Waking now = queue[k];
               if (bodies.info[now.id].place != Place::asleep) continue;
               const Sleeper self = sleepers.list[bodies.info[now.id].slot];
+              if (self.goes) continue;
               if (!any) bodies.find_slots();
               wake_one(source, sleepers, now.id);
               if (!source.joints.empty()) source.joints.follow(now.id);
               any = true;
               ask_joined_and_stacked(source, sleepers, self, now.rings);
-              if (now.rings != 0) ask_neighbours(source, sleepers, self, now.rings);
+              if (now.rings == Waking::kAbove) {
+                if (queue.size() <= most_above) ask_above(source, sleepers, self);
+              } else if (now.rings != 0) {
+                ask_around(source, sleepers, self.at, bodies.properties(now.id).radius, now.rings - 1);
+              }
             }
             if (any) sleepers.tidy();
           });
@@ -238,6 +265,42 @@ bool Sleep::disturb_neighbours(const SleepSource& source, std::uint32_t id) {
   const LatticePoint at = asleep ? sleepers.list[info.slot].at : bodies.point(info.slot);
   ask_around(source, sleepers, at, bodies.properties(id).radius, Waking::kAbove);
   return wake_queued(source, sleepers);
+}
+
+bool Sleep::let_go(const SleepSource& source, std::span<const std::uint32_t> ids) {
+  BodyStore& bodies = source.population.bodies;
+  StaticShapes& statics = source.population.statics;
+  const auto sleeper = [&](std::uint32_t id) -> Sleeper& { return sleepers.list[bodies.info[id].slot]; };
+  statics.make_room_to_leave(ids.size(), false);
+  // They are in nobody's way first, so that only those that stay are found.
+  for (const std::uint32_t id : ids) {
+    Sleeper& s = sleeper(id);
+    s.goes = true;
+    statics.lift_sleeping(s.first_shape, s.pieces);
+  }
+  const auto stay = [&] {
+    sleepers.queue.clear();
+    for (const std::uint32_t id : ids) {
+      Sleeper& s = sleeper(id);
+      s.goes = false;
+      statics.lay_back(s.first_shape, s.pieces);
+    }
+  };
+  const bool woke = or_else(stay, [&] {
+    if (sleepers.list.size() == ids.size()) return false;
+    for (const std::uint32_t id : ids) ask_above(source, sleepers, sleeper(id));
+    ask_stacked(sleepers, ids, bodies);
+    return wake_queued(source, sleepers);
+  });
+  for (const std::uint32_t id : ids) {
+    const Sleeper& s = sleeper(id);
+    statics.drop_lifted(s.first_shape, s.pieces);
+    leave_list(bodies, sleepers, id);
+  }
+  sleepers.tidy();
+  sleepers.changed = true;
+  ++sleepers.changes;
+  return woke;
 }
 
 bool Sleep::disturb_at_fixed(const SleepSource& source, std::uint32_t id) {

@@ -1,84 +1,11 @@
 #include "psim/recording.h"
 
-#include <array>
-#include <tuple>
-
 #include "base/room.h"
-#include "state/describe_calls.h"
+#include "bodies/body_desc.h"
+#include "state/recording_log.h"
 
 namespace psim {
-namespace {
-
-// Calls of the host that take what they are given, each by its place in this list.
-constexpr std::tuple kCalls{&World::remove_body,   &World::set_transform,    &World::set_velocity,
-                            &World::apply_impulse, &World::apply_impulse_at, &World::apply_angular_impulse,
-                            &World::set_gravity,   &World::set_sleeping,     &World::wake,
-                            &World::remove_joint,  &World::set_motor,        &World::set_skin,
-                            &World::set_enabled,   &World::set_traits,       &World::set_user_data,
-                            &World::set_target,    &World::apply_force,      &World::apply_force_at,
-                            &World::apply_torque,  &World::explode,          &World::set_part_traits};
-
-// What an entry of the log is: one of these, or behind them a call.
-enum Op : std::uint8_t {
-  kStep,
-  kHash,
-  kAddBody,
-  kAddDiscs,
-  kAddJoint,
-  kSetJoint,
-  kSetFields,
-  kSetBody,
-  kDecide,
-  kCallsBegin
-};
-constexpr std::uint8_t kOps = kCallsBegin + std::tuple_size_v<decltype(kCalls)>;
-
-struct RecordHeader : FileHeader {
-  static constexpr std::uint64_t kMagic = 0x31304352'6D697370u;  // "psimRC01"
-  static constexpr std::uint64_t kFormat = 12;
-  std::uint64_t state = 0;  ///< bytes of the state that it began with
-  std::uint64_t steps = 0;
-
-  void seal(std::span<const std::byte> rest) {
-    const std::uint64_t hash = hash_of(rest) + 0x9E3779B97F4A7C15u * steps;
-    static_cast<FileHeader&>(*this) = {kMagic, kFormat, sizeof *this + rest.size(), hash};
-  }
-};
-
-}  // namespace
-
-namespace recorded {
-
-// What the host said of one new contact, and of all that it was shown at once.
-struct Answer {
-  bool enabled = true;
-  std::array<double, 4> surface{};  // friction, restitution, tangent speed, rolling resistance
-};
-using Answers = std::vector<Answer>;
-inline auto fields(Answer& a) { return std::tie(a.enabled, a.surface); }
-constexpr std::size_t kAnswerBytes = 33, kAnswersBytes = 32;  // no less than they take in a log
-
-}  // namespace recorded
-using recorded::Answer, recorded::Answers;
-
-namespace {
-
-// What a DiscBatch looks at.
-using Discs = std::array<std::vector<double>, 7>;
-
-void describe(Archive& a, DiscBatch& b, Discs& discs) {
-  std::span<const double>* seen[] = {&b.x, &b.y, &b.radius, &b.angle, &b.vx, &b.vy, &b.angular_velocity};
-  for (std::size_t k = 0; k < discs.size(); ++k) {
-    discs[k].assign(seen[k]->begin(), seen[k]->end());
-    values(a, discs[k]);
-    *seen[k] = discs[k];
-  }
-  values(a, b.type, b.material, b.mass, b.gravity_scale, b.fixed_rotation, b.bullet, b.filter);
-}
-
-}  // namespace
-
-// ---- recorder --------------------------------------------------------------------------------------
+using namespace recorded;
 
 struct Recorder::Log {
   static constexpr std::size_t kEnd = 16, kStepAndHash = 64;  // bytes: no less than these entries take
@@ -97,14 +24,18 @@ struct Recorder::Log {
     for (const NewContact& c : contacts) {
       some.push_back({c.enabled, {c.friction, c.restitution, c.tangent_speed, c.rolling_resistance}});
     }
-    std::size_t bytes = kStepAndHash + kEnd + recorded::kAnswersBytes;
-    for (const Answers& each : answers) bytes += recorded::kAnswersBytes + each.size() * recorded::kAnswerBytes;
+    std::size_t bytes = kStepAndHash + kEnd + kAnswersBytes;
+    for (const Answers& each : answers) bytes += kAnswersBytes + each.size() * kAnswerBytes;
     saver.room_for(bytes);
   }
 
   template <class... T>
-  void add(std::uint8_t op, T... args) {
+  void write(std::uint8_t op, T&... args) {
     values(saver, op, args...);
+  }
+  template <class... T>
+  void add(std::uint8_t op, T... args) {
+    write(op, args...);
   }
   // A call found no memory. It changed no number, but sleepers may have woken, which is not written down: the recording
   // ends before it.
@@ -129,7 +60,7 @@ struct Recorder::Log {
       ran_out_of_memory() = true;
     }
     if (ran_out_of_memory()) {
-      end(world, before);
+      if (!ended) end(world, before);
     } else if (answer == none) {
       saver.cut(before);
     }
@@ -241,9 +172,27 @@ bool Recorder::set_fields(const std::vector<Field>& given, std::string& error) {
 
 bool Recorder::remove_body(BodyId id) { return log_->call<0>(world_, id); }
 std::size_t Recorder::remove_bodies(std::span<const BodyId> ids) {
-  std::size_t removed = 0;
-  for (const BodyId id : ids) removed += remove_body(id) ? 1 : 0;
-  return removed;
+  Log& log = *log_;
+  std::vector<BodyId> given;
+  const std::size_t before = log.saver.bytes().size();
+  const auto write = [&] {
+    given.assign(ids.begin(), ids.end());
+    log.write(kRemoveBodies, given);
+  };
+  const auto remove = [&] {
+    const std::size_t removed = world_.remove_bodies(ids);
+    if (!ran_out_of_memory() || removed == 0 || log.ended) return removed;
+    // Some are gone and others stay: that is written down, and the recording ends behind it.
+    std::erase_if(given, [this](BodyId id) { return world_.is_valid(id); });
+    log.saver.cut(before);
+    log.write(kRemoveBodies, given);
+    log.end(world_, log.saver.bytes().size());
+    return removed;
+  };
+  return log.done(world_, write, remove);
+}
+std::size_t Recorder::add_bodies(std::span<const BodyDesc> descs, std::span<BodyId> ids, std::string& error) {
+  return add_in_order(*this, descs, ids, error);
 }
 bool Recorder::set_transform(BodyId id, Vec2 position, double angle) {
   return log_->call<1>(world_, id, position, angle);
@@ -272,6 +221,26 @@ bool Recorder::set_traits(BodyId id, const BodyTraits& to) { return log_->call<1
 bool Recorder::set_part_traits(BodyId id, std::uint32_t part, const PartTraits& to) {
   return log_->call<20>(world_, id, part, to);
 }
+std::size_t Recorder::set_transforms(std::span<const BodyId> ids, std::span<const Vec2> positions,
+                                     std::span<const double> angles) {
+  return count_done([this](const auto&... of) { return set_transform(of...); }, ids, positions, angles);
+}
+std::size_t Recorder::set_velocities(std::span<const BodyId> ids, std::span<const Vec2> velocities,
+                                     std::span<const double> angular_velocities) {
+  return count_done([this](const auto&... of) { return set_velocity(of...); }, ids, velocities, angular_velocities);
+}
+std::size_t Recorder::apply_impulses(std::span<const BodyId> ids, std::span<const Vec2> impulses) {
+  return count_done([this](const auto&... of) { return apply_impulse(of...); }, ids, impulses);
+}
+std::size_t Recorder::apply_forces(std::span<const BodyId> ids, std::span<const Vec2> forces) {
+  return count_done([this](const auto&... of) { return apply_force(of...); }, ids, forces);
+}
+std::size_t Recorder::set_traits_of(std::span<const BodyId> ids, std::span<const BodyTraits> traits) {
+  return count_done([this](const auto&... of) { return set_traits(of...); }, ids, traits);
+}
+std::size_t Recorder::set_enabled_of(std::span<const BodyId> ids, bool on) {
+  return count_done([&](BodyId id) { return set_enabled(id, on); }, ids);
+}
 bool Recorder::set_user_data(BodyId id, std::uint64_t value) { return log_->call<14>(world_, id, value); }
 
 std::vector<std::byte> Recorder::recording() const {
@@ -282,147 +251,5 @@ std::vector<std::byte> Recorder::recording() const {
   header.steps = log_->steps;
   return sealed(header, {log_->state, log_->saver.bytes(), end.saver.bytes()});
 }
-
-// ---- replay ----------------------------------------------------------------------------------------
-
-struct Replay::State {
-  std::vector<std::byte> bytes;  // of the log
-  std::unique_ptr<World> world;
-  std::optional<Loader> log;
-  std::uint64_t steps = 0, in_all = 0, hashes = 0, differs = 0;
-  bool compared = false;         // the present state
-  std::vector<Answers> answers;  // in the next step
-
-  template <class T>
-  T get() {
-    T v{};
-    values(*log, v);
-    return v;
-  }
-  template <class R, class... T>
-  void call(R (World::*function)(T...)) {
-    std::tuple<std::decay_t<T>...> args;
-    std::apply([&](auto&... arg) { values(*log, arg...); }, args);
-    if (log->ok()) std::apply([&](auto&... arg) { (*world.*function)(arg...); }, args);
-  }
-  void call(std::size_t which) {
-    std::apply(
-        [&](auto... function) {
-          std::size_t k = 0;
-          ((k++ == which ? call(function) : void()), ...);
-        },
-        kCalls);
-  }
-  static void answer(const Answers& with, std::span<NewContact> contacts) {
-    for (std::size_t k = 0; k < std::min(with.size(), contacts.size()); ++k) {
-      const Answer& a = with[k];
-      NewContact& c = contacts[k];
-      c.enabled = a.enabled;
-      c.friction = a.surface[0], c.restitution = a.surface[1];
-      c.tangent_speed = a.surface[2], c.rolling_resistance = a.surface[3];
-    }
-  }
-  // The next entry of the log.
-  void perform() {
-    World& w = *world;
-    std::string error;
-    std::uint8_t op = 0;
-    log->index(kOps, op);
-    compared = false;
-    switch (op) {
-      case kStep: {
-        const auto dt = get<double>();
-        const auto detail = get<StepDetail>();
-        if (!log->ok()) return;
-        w.replay(detail, dt);
-        w.set_pre_solve({});
-        ++steps;
-        break;
-      }
-      case kDecide:
-        answers = get<std::vector<Answers>>();
-        w.set_pre_solve([this, next = std::size_t{0}](std::span<NewContact> contacts) mutable {
-          if (next < answers.size()) answer(answers[next++], contacts);
-        });
-        break;
-      case kHash: {
-        const auto hash = get<std::uint64_t>();
-        compared = log->ok();
-        if (!compared) return;
-        ++hashes;
-        if (differs == 0 && hash != w.state_hash()) differs = std::max<std::uint64_t>(steps, 1);
-        break;
-      }
-      case kAddBody:
-        w.add_body(get<BodyDesc>(), error);
-        break;
-      case kAddDiscs: {
-        DiscBatch batch;
-        Discs discs;
-        describe(*log, batch, discs);
-        std::uint32_t first = 0;
-        w.add_discs(batch, first, error);
-        break;
-      }
-      case kAddJoint:
-        w.add_joint(get<JointDesc>(), error);
-        break;
-      case kSetJoint: {
-        const auto id = get<JointId>();
-        w.set_joint(id, get<JointDesc>(), error);
-        break;
-      }
-      case kSetBody: {
-        const auto id = get<BodyId>();
-        w.set_body(id, get<BodyDesc>(), error);
-        break;
-      }
-      case kSetFields:
-        w.set_fields(get<std::vector<Field>>(), error);
-        break;
-      default:
-        call(op - std::size_t{kCallsBegin});
-    }
-  }
-};
-
-Replay::Replay(std::unique_ptr<State> state) : state_(std::move(state)) {}
-Replay::~Replay() = default;
-
-std::unique_ptr<Replay> Replay::open(std::span<const std::byte> recording, const RunOptions& options,
-                                     std::string& error) {
-  RecordHeader header;
-  error = read_header(recording, "recording", header);
-  const auto rest = recording.subspan(std::min(sizeof header, recording.size()));
-  if (error.empty() && header.state > rest.size()) error = "it is damaged";
-  if (!error.empty()) return nullptr;
-  auto state = std::make_unique<State>();
-  state->world = World::from_state(rest.first(header.state), options, error);
-  if (!state->world) return nullptr;
-  const auto log = rest.subspan(header.state);
-  state->bytes.assign(log.begin(), log.end());
-  state->log.emplace(Loader::of_numbers(state->bytes));
-  state->in_all = header.steps;
-  return std::unique_ptr<Replay>(new Replay(std::move(state)));
-}
-
-bool Replay::next() {
-  State& s = *state_;
-  const std::uint64_t before = s.steps;
-  // Hashes after a step belong to it.
-  while (s.log->left() != 0 && (s.steps == before || s.log->peek() == std::byte{kHash})) s.perform();
-  return s.steps != before;
-}
-
-bool Replay::complete() const {
-  const State& s = *state_;
-  return s.log->ok() && s.log->left() == 0 && s.compared && s.steps == s.in_all;
-}
-
-World& Replay::world() { return *state_->world; }
-std::uint64_t Replay::steps() const { return state_->steps; }
-std::uint64_t Replay::steps_in_all() const { return state_->in_all; }
-std::uint64_t Replay::hashes() const { return state_->hashes; }
-std::uint64_t Replay::differs_at() const { return state_->differs; }
 
 }  // namespace psim

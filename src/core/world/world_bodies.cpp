@@ -1,10 +1,12 @@
 // The host adds, removes, moves and pushes bodies. The population does it; here the others are told: the lists are
 // made anew, the query grids are forgotten, sleepers wake. A number that is not finite changes nothing now: the next
 // step freezes the body.
+#include <algorithm>
 #include <cmath>
 
 #include "base/room.h"
 #include "base/rotor.h"
+#include "base/sort_keys.h"
 #include "bodies/body_desc.h"
 #include "psim/limits.h"
 #include "world/world_impl.h"
@@ -41,12 +43,44 @@ bool push(Owners& w, BodyId id, const Change& change) {
   return true;
 }
 
+// Tells those who keep something of a body that it is not there any more. Its joints are gone.
+void tell_of_going(Owners& w, std::uint32_t id, bool same) {
+  const BodyInfo& info = w.bodies.info[id];
+  if (w.observers.events.on()) w.observers.events.body_left({id, info.generation}, same);
+  w.observers.queries.forget(info.place == Place::fixed    ? QueryIndex::kFixed
+                             : info.place == Place::asleep ? QueryIndex::kSleeping
+                                                           : QueryIndex::kMoving);
+  if (!is_out(info.place)) w.plan_stale = true;
+  w.contacts.manifolds.forget_decisions(id);
+  spoil_work(w);
+}
+
+// Those that sleep and have no joints go together, and only what leaned on them wakes.
+std::size_t remove_sleeping(Owners& w, std::span<const BodyId> ids) {
+  std::vector<std::uint32_t> sleeping;
+  for (const BodyId id : ids) {
+    const bool asleep = w.population.is_valid(id) && w.bodies.info[id.index].place == Place::asleep;
+    if (asleep && !w.joints.ties(id.index)) sleeping.push_back(id.index);
+  }
+  if (sleeping.empty()) return 0;
+  sort_keys(sleeping.begin(), sleeping.end());
+  sleeping.erase(std::unique(sleeping.begin(), sleeping.end()), sleeping.end());
+  w.observers.events.make_room_to_leave(sleeping.size());
+  w.note_sleep(w.sleep.let_go(w.sleep_source(), sleeping));
+  for (const std::uint32_t id : sleeping) {
+    tell_of_going(w, id, false);
+    w.population.remove(id);
+  }
+  return sleeping.size();
+}
+
 // Room for what leaves is made once. Joints, sleepers and events are told of each body.
 void remove_all(Owners& w, std::span<const BodyId> ids, std::size_t& removed) {
   const auto is_static = [&](BodyId id) {
     return w.population.is_valid(id) && w.bodies.properties(id.index).type() == BodyType::static_body;
   };
   w.population.make_room_to_leave(ids.size(), std::ranges::any_of(ids, is_static));
+  if (!w.sleep.sleepers.empty()) removed += remove_sleeping(w, ids);
   for (const BodyId id : ids) {
     if (!w.population.is_valid(id)) continue;
     body_goes(w, id.index, false);
@@ -73,16 +107,12 @@ void body_came(Owners& w, std::uint32_t id) {
 }
 
 void body_goes(Owners& w, std::uint32_t id, bool same, bool tied) {
+  w.observers.events.make_room_to_leave(1);
   disturb_joined(w, id);
   w.bodies.find_slots();
   w.note_sleep(w.sleep.disturb_neighbours(w.sleep_source(), id));  // a sleeping body itself wakes, too
-  const BodyInfo& info = w.bodies.info[id];
-  if (w.observers.events.on()) w.observers.events.body_left({id, info.generation}, same);
   if (!tied) remove_joints_of(w, id);
-  w.observers.queries.forget(info.place == Place::fixed ? QueryIndex::kFixed : QueryIndex::kMoving);
-  if (!is_out(info.place)) w.plan_stale = true;
-  w.contacts.manifolds.forget_decisions(id);
-  spoil_work(w);
+  tell_of_going(w, id, same);
 }
 
 void forget_impulses_of_nobody(Owners& w) {
@@ -186,7 +216,8 @@ std::size_t World::add_discs(const DiscBatch& batch, std::uint32_t& first, std::
 
 bool World::remove_body(BodyId id) try {
   if (!is_valid(id)) return false;
-  psim::remove_body(*impl_, id.index);
+  std::size_t removed = 0;
+  remove_all(impl_->settled(), {&id, 1}, removed);
   return true;
 } catch (const std::bad_alloc&) {
   return impl_->ran_out(false);
