@@ -4,7 +4,7 @@
 // pairs, and the caller asks collide(). It is in src/core/collide/collide.cpp, which takes one pair at a time of any
 // numbers of vertices, uses the functions below with one lane, and does all else operation by operation as here.
 //
-// kA, kB: vertices of the hulls, 2 (segment, capsule) or 4 (box, any quadrilateral).
+// kA, kB: room for vertices of the hulls: 2 (segment, capsule), 4 (triangle, box, any quadrilateral) or 8 (all others).
 #pragma once
 
 #include "collide_views.h"
@@ -30,29 +30,39 @@ PSIM_INLINE inline Vec2<T> unrotate(Vec2<T> q, Vec2<T> v) {
   return {q.x * v.x + q.y * v.y, q.x * v.y - q.y * v.x};
 }
 
-/// A hull's vertices and normals, and its radius.
+/// A hull's vertices and normals, and its radius. Behind the last one come copies of its first vertex and edge: such an edge
+/// is never the best one, because the first one is not worse.
 template <class L, int kN>
 struct LaneCore {
   Vec<L> vertex[kN], normal[kN];
   F<L> radius, reach;
+  F<L> count;  // of its vertices
 
   static constexpr int size() { return kN; }
   PSIM_INLINE Vec<L> corner(int k) const { return vertex[k]; }
 };
 
 template <class L, int kN>
-PSIM_INLINE inline LaneCore<L, kN> load_core(const float* const* hull) {
-  F<L> x[4], y[4], nx[4], ny[4], inner, count;
-  L::gather4(hull, kHullX, x[0], x[1], x[2], x[3]);
-  L::gather4(hull, kHullY, y[0], y[1], y[2], y[3]);
-  L::gather4(hull, kHullNx, nx[0], nx[1], nx[2], nx[3]);
-  L::gather4(hull, kHullNy, ny[0], ny[1], ny[2], ny[3]);
+PSIM_INLINE inline LaneCore<L, kN> load_core(const float* const* hull, const float* count) {
+  constexpr int kRoom = kN < 4 ? 4 : kN, kFewest = kN == 4 ? 3 : kN == 8 ? 5 : kN;
+  F<L> x[kRoom], y[kRoom], nx[kRoom], ny[kRoom], others[2];
+  for (std::size_t k = 0; k < kRoom; k += 4) {
+    L::gather4(hull, kHullX + k, x[k], x[k + 1], x[k + 2], x[k + 3]);
+    L::gather4(hull, kHullY + k, y[k], y[k + 1], y[k + 2], y[k + 3]);
+    L::gather4(hull, kHullNx + k, nx[k], nx[k + 1], nx[k + 2], nx[k + 3]);
+    L::gather4(hull, kHullNy + k, ny[k], ny[k + 1], ny[k + 2], ny[k + 3]);
+  }
   LaneCore<L, kN> c;
+  c.count = L::load(count);
   for (int k = 0; k < kN; ++k) {
     c.vertex[k] = {x[k], y[k]};
     c.normal[k] = {nx[k], ny[k]};
+    if (k < kFewest) continue;
+    const auto has = static_cast<float>(k) < c.count;
+    c.vertex[k] = select(has, c.vertex[k], c.vertex[0]);
+    c.normal[k] = select(has, c.normal[k], c.normal[0]);
   }
-  L::gather4(hull, kHullRound, c.radius, c.reach, inner, count);
+  L::gather4(hull, kHullRound, c.radius, c.reach, others[0], others[1]);
   return c;
 }
 
@@ -128,8 +138,8 @@ struct LanePair {
 template <class L, int kA, int kB>
 PSIM_INLINE inline LanePair<L, kA, kB> load_pair(const HullPairs& c, std::uint32_t k) {
   LanePair<L, kA, kB> p;
-  p.a = load_core<L, kA>(c.a + k);
-  p.b = load_core<L, kB>(c.b + k);
+  p.a = load_core<L, kA>(c.a + k, c.vertices_a + k);
+  p.b = load_core<L, kB>(c.b + k, c.vertices_b + k);
   p.frame = load_vec<L>(c.ac, c.as, k);
   const auto qb = load_vec<L>(c.bc, c.bs, k);
   p.d = load_vec<L>(c.dx, c.dy, k);
@@ -321,9 +331,9 @@ void collide_hulls(HullPairs* blocks, std::uint32_t begin, std::uint32_t end) {
       e.normal = select(e.use_b, of_b.normal, of_a.normal);
       e.first = select(e.use_b, of_b.first, of_a.first), e.last = select(e.use_b, of_b.last, of_a.last);
       e.edge = select(e.use_b, of_b.at, of_a.at);
-      e.ends[0] = e.edge, e.ends[1] = next_of<L>(e.edge, select(e.use_b, kB, kA));
+      e.ends[0] = e.edge, e.ends[1] = next_of<L>(e.edge, select(e.use_b, p.b.count, p.a.count));
       find_facing(p, e);
-      const auto clip = clip_edge<L>(e, select(e.use_b, kA, kB));
+      const auto clip = clip_edge<L>(e, select(e.use_b, p.a.count, p.b.count));
 
       const F<L> least = min(clip.h[0], clip.h[1]);
       const M<L> on_face =
@@ -356,15 +366,15 @@ void collide_hulls(HullPairs* blocks, std::uint32_t begin, std::uint32_t end) {
   }
 }
 
-/// A hull of kN vertices, A, against a disc, B: a hull of one vertex.
+/// A hull with room for kN vertices, A, against a disc, B: a hull of one vertex.
 template <class L, int kN>
 void collide_discs(HullPairs* blocks, std::uint32_t begin, std::uint32_t end) {
   const F<L> zero = 0, half = 0.5f, one = 1;
   for (HullPairs* c = blocks + begin; c != blocks + end; ++c) {
     c->has[0] = c->has[1] = c->hard = 0;
     for (std::uint32_t k = 0; k < kBlock; k += L::width) {
-      const auto hull = load_core<L, kN>(c->a + k);
-      const auto disc = load_core<L, 1>(c->b + k);
+      const auto hull = load_core<L, kN>(c->a + k, c->vertices_a + k);
+      const auto disc = load_core<L, 1>(c->b + k, c->vertices_b + k);
       const Vec<L> frame{L::load(c->ac + k), L::load(c->as + k)}, qb{L::load(c->bc + k), L::load(c->bs + k)};
       const Vec<L> d{L::load(c->dx + k), L::load(c->dy + k)};
       const F<L> margin = L::load(c->margin + k);
@@ -405,7 +415,7 @@ void collide_discs(HullPairs* blocks, std::uint32_t begin, std::uint32_t end) {
       const F<L> divisor = select(apart, length, one);
       Vec<L> n = select(apart, Vec<L>{from.x / divisor, from.y / divisor}, normal);
       distance = select(at_corner, length, distance);
-      const F<L> corner = select(at_last, next_of<L>(edge, kN), edge);
+      const F<L> corner = select(at_last, next_of<L>(edge, hull.count), edge);
       const F<L> feature = select(at_corner, feature_of<L>(2, corner, zero), feature_of<L>(zero, edge, zero));
       const F<L> gap = distance - radius;
       const M<L> near = but_not(gap <= margin, out);

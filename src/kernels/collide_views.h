@@ -15,7 +15,8 @@ inline constexpr std::size_t kHullX = 0, kHullY = 8, kHullNx = 16, kHullNy = 24,
 struct alignas(kAlign) HullPairs {
   const float* a[kBlock];  ///< hulls; every lane points at one
   const float* b[kBlock];
-  float ac[kBlock], as[kBlock];  ///< rotation of A: cosine, sine
+  float vertices_a[kBlock], vertices_b[kBlock];  ///< how many a hull has
+  float ac[kBlock], as[kBlock];                  ///< rotation of A: cosine, sine
   float bc[kBlock], bs[kBlock];
   float dx[kBlock], dy[kBlock];  ///< m: from A's centre to B's
   float margin[kBlock];          ///< m: points further apart are left out

@@ -59,9 +59,10 @@ struct KernelTable {
   void (*relax_manifolds[2][2][2])(const BodyView&, ManifoldBlock*, SurfaceBlock*, const ContactParams&, Block, Block);
   void (*spend_manifolds[2])(const BodyView&, ManifoldBlock*, Block, Block);
   void (*turn_bodies)(const BodyView&, const float* radius, const StreamParams&, Block, Block);
-  // Contacts of hulls (collide_kernel.h): of A with 2 or 4 vertices and B with a disc's one, 2 or 4.
+  // Contacts of hulls (collide_kernel.h): of A with 2, up to 4 or up to 8 vertices and B with a disc's
+  // one or those.
   using Collide = void (*)(HullPairs*, Block, Block);
-  Collide collide[2][3];
+  Collide collide[3][4];
   // Joints (joint_*_kernel.h), by kind and whether A is fixed.
   using JointPass = void (*)(const BodyView&, JointBlocks, const JointParams&, Block, Block);
   JointPass warm_joints[kJointKinds][2];

@@ -1,5 +1,5 @@
 // Collects pairs of hulls, so that a kernel finds the manifolds of eight at once, with the same bits as collide().
-// A batch holds pairs of one kind: of the same numbers of vertices.
+// A batch holds pairs of one kind: of like numbers of vertices.
 #pragma once
 
 #include <bit>
@@ -13,10 +13,10 @@ namespace psim {
 
 class CollideBatch {
  public:
-  static constexpr std::uint32_t kKinds = 6;
+  static constexpr std::uint32_t kSizes = 4;  ///< discs, lines, up to four vertices, more
+  static constexpr std::uint32_t kKinds = (kSizes - 1) * kSizes;
 
-  /// The kind of a pair: of segments, capsules, boxes and other quadrilaterals with each other, or of one with a disc.
-  /// kKinds if no kernel knows the pair.
+  /// The kind of a pair. kKinds if no kernel knows it: of two discs.
   static std::uint32_t kind_of(const Hull& a, const Hull& b);
 
   std::uint32_t count() const { return count_; }
