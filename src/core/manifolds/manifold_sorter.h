@@ -77,12 +77,19 @@ struct Manifolds::Sorter {
     const auto add = [&](std::uint32_t part_a, std::uint32_t part_b) {
       pair.part_a = part_a;
       pair.part_b = part_b;
-      if (boxed && !m.boxes_.meet(lie, part_a, part_b)) return;
       if (have_parts(pair) && !collide(pair)) return;
       pair.before = m.index_.find(pair, known);
       out.push_back(pair);
     };
-    each_near(pair, parts_a, parts_b, sides..., add);
+    if (!boxed) {
+      each_near(pair, parts_a, parts_b, sides..., add);
+    } else if (!m.parts_.has(pair.a) && !m.parts_.has(pair.b)) {
+      m.boxes_.each_meeting(lie, parts_a, parts_b, add);
+    } else {
+      each_near(pair, parts_a, parts_b, sides..., [&](std::uint32_t part_a, std::uint32_t part_b) {
+        if (m.boxes_.meet(lie, part_a, part_b)) add(part_a, part_b);
+      });
+    }
     return true;
   }
 

@@ -27,19 +27,23 @@ class PartBoxes {
     std::fill_n(turn_.data(), slots, 0.0f);
     count_ = 0;
   }
-  /// A body will have boxes, if it has few parts.
+  /// A body will have boxes, if it has few parts: one around all of it, then those of its parts.
   void add(std::size_t slot) {
     const std::uint32_t parts = s_.bodies.kind(s_.bodies.id[slot]).hull_count;
     if (parts > kMost) return;
     first_[slot] = count_;
-    boxes_.reserve_loosely(count_ += parts);
+    boxes_.reserve_loosely(count_ += 1 + parts);
   }
   /// Finds the boxes of a body that lies so, and whose rim may turn by `turn`, m.
   void place(std::size_t slot, Rotor q, float turn) {
     if (!has(slot)) return;
     const BodyKind& kind = s_.bodies.kind(s_.bodies.id[slot]);
+    Box& all = boxes_[first_[slot]] = kNothing;
     for (std::uint32_t k = 0; k < kind.hull_count; ++k) {
-      boxes_[first_[slot] + k] = around(s_.bodies.hulls[kind.first_hull + k], q);
+      const Box box = around(s_.bodies.hulls[kind.first_hull + k], q);
+      boxes_[first_[slot] + 1 + k] = box;
+      all = {std::min(all.xmin, box.xmin), std::min(all.ymin, box.ymin), std::max(all.xmax, box.xmax),
+             std::max(all.ymax, box.ymax)};
     }
     turn_[slot] = turn;
   }
@@ -54,12 +58,23 @@ class PartBoxes {
     float dx = 0, dy = 0;      ///< m, from A to B
     float within = 0;          ///< m: parts with a larger gap do not meet
   };
+  /// Whether two of their parts may meet.
   bool meet(const Pair& pair, std::uint32_t part_a, std::uint32_t part_b) const {
-    const Box a = of(pair.a, part_a), b = of(pair.b, part_b);
-    const float rounding = 1e-5f * (s_.bodies.radius[pair.a] + s_.bodies.radius[pair.b]);
-    const float most = pair.within + rounding;
-    return std::max(pair.dx + b.xmin - a.xmax, a.xmin - b.xmax - pair.dx) <= most &&
-           std::max(pair.dy + b.ymin - a.ymax, a.ymin - b.ymax - pair.dy) <= most;
+    return meet(pair, most_of(pair), of(pair.a, 1 + part_a), of(pair.b, 1 + part_b));
+  }
+  /// Calls each(part of A, part of B) for those that may meet, in order, of so many.
+  template <class Each>
+  void each_meeting(const Pair& pair, std::uint32_t parts_a, std::uint32_t parts_b, const Each& each) const {
+    const float most = most_of(pair);
+    const Box all_b = of(pair.b, 0);
+    if (!meet(pair, most, of(pair.a, 0), all_b)) return;
+    for (std::uint32_t a = 0; a < parts_a; ++a) {
+      const Box part = of(pair.a, 1 + a);
+      if (!meet(pair, most, part, all_b)) continue;
+      for (std::uint32_t b = 0; b < parts_b; ++b) {
+        if (meet(pair, most, part, of(pair.b, 1 + b))) each(a, b);
+      }
+    }
   }
 
   std::size_t bytes() const { return first_.bytes() + turn_.bytes() + boxes_.bytes(); }
@@ -69,13 +84,24 @@ class PartBoxes {
     float xmin, ymin, xmax, ymax;
   };
 
-  Box of(std::size_t slot, std::uint32_t part) const {
-    if (has(slot)) return boxes_[first_[slot] + part];
+  static constexpr Box kNothing{1e30f, 1e30f, -1e30f, -1e30f};
+
+  // number: 0 for the whole body, then its parts.
+  Box of(std::size_t slot, std::uint32_t number) const {
+    if (has(slot)) return boxes_[first_[slot] + number];
     const float r = s_.bodies.radius[slot];
     return {-r, -r, r, r};
   }
+  // With what is lost to rounding.
+  float most_of(const Pair& pair) const {
+    return pair.within + 1e-5f * (s_.bodies.radius[pair.a] + s_.bodies.radius[pair.b]);
+  }
+  static bool meet(const Pair& pair, float most, const Box& a, const Box& b) {
+    return std::max(pair.dx + b.xmin - a.xmax, a.xmin - b.xmax - pair.dx) <= most &&
+           std::max(pair.dy + b.ymin - a.ymax, a.ymin - b.ymax - pair.dy) <= most;
+  }
   static Box around(const Hull& hull, Rotor q) {
-    Box box{1e30f, 1e30f, -1e30f, -1e30f};
+    Box box = kNothing;
     for (int k = 0; k < hull.count; ++k) {
       const float x = q.c * hull.x[k] - q.s * hull.y[k], y = q.s * hull.x[k] + q.c * hull.y[k];
       box = {std::min(x, box.xmin), std::min(y, box.ymin), std::max(x, box.xmax), std::max(y, box.ymax)};

@@ -134,6 +134,10 @@ class StateKeeper {
     values(a, lists_.mode, lists_.stale, made.impact_rate, made.frames, made.speed, made.crowding, made.reach,
            made.skin, made.span, made.selected_span, made.candidates);
     a.require(made.span >= 0 && made.selected_span >= 0 && made.skin > 0);
+    // Of bodies whose numbers are broken, these may be none.
+    for (const double measured : {made.impact_rate, made.frames, made.speed, made.crowding, made.reach}) {
+      a.require(!(measured < 0));
+    }
     values(a, w_.contacts.impulses_valid, w_.contacts.kept, w_.contacts.softness_laid, w_.population.traits, w_.plan);
   }
 
