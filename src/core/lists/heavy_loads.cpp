@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <tuple>
 
 #include "base/tasks.h"
 
@@ -18,18 +17,6 @@ constexpr double kFading = 0.95;  // factor a search on the cost of the costlies
 // The most contacts that may be under heavy loads, out of so many pairs.
 std::uint32_t most_contacts(std::uint64_t pairs) {
   return std::max(kFewContacts, static_cast<std::uint32_t>(pairs) / kShare);
-}
-
-// Adds the pairs of a strip to the counts of their classes. A class below 0 has no count. Relaxed: a sum of whole
-// numbers has no order, and it is read after the run.
-template <class Counts, class ClassOf>
-void count_pairs(const PairTable& table, const Strip& s, Counts& counts, const ClassOf& class_of) {
-  std::array<std::uint32_t, std::tuple_size_v<Counts>> mine{};
-  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
-    const int of = class_of(table.owner[p], table.other[p]);
-    if (of >= 0) ++mine[static_cast<std::size_t>(of)];
-  }
-  for (std::size_t k = 0; k < mine.size(); ++k) counts[k].fetch_add(mine[k], std::memory_order_relaxed);
 }
 
 // By how many powers of two the ratio of two masses exceeds kLeastRatio; -1 if it does not. A kinematic
@@ -75,21 +62,27 @@ void HeavyLoads::go_on(const PairTable& table, WorkerPool& pool, std::size_t fro
   run_phases(strips_, from - done_, to - done_, pool, [&](std::size_t strip) {
     switch (phase_) {
       case Phase::ratios:
-        return count_pairs(table, table.strips[strip], ratios_, [&](std::uint32_t a, std::uint32_t b) {
-          return std::min(ratio_class(inv_mass_[a], inv_mass_[b]), kRatios - 1);
-        });
+        return count_ratios(table, strip);
       case Phase::mark:
         return mark(table, strip);
       case Phase::spread:
         return spread(table, strip);
-      case Phase::levels:
-        return count_pairs(table, table.strips[strip], levels_,
-                           [&](std::uint32_t a, std::uint32_t b) { return int{std::max(level_[a], level_[b])}; });
       case Phase::none:
         break;
     }
   });
   if (to == pieces()) finish_pass(table);
+}
+
+// Relaxed: a sum of whole numbers has no order, and it is read after the run.
+void HeavyLoads::count_ratios(const PairTable& table, std::size_t index) {
+  const Strip& s = table.strips[index];
+  std::array<std::uint32_t, kRatios> mine{};
+  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+    const int of = ratio_class(inv_mass_[table.owner[p]], inv_mass_[table.other[p]]);
+    if (of >= 0) ++mine[static_cast<std::size_t>(std::min(of, kRatios - 1))];
+  }
+  for (std::size_t k = 0; k < kRatios; ++k) ratios_[k].fetch_add(mine[k], std::memory_order_relaxed);
 }
 
 void HeavyLoads::mark(const PairTable& table, std::size_t index) {
@@ -110,22 +103,29 @@ bool HeavyLoads::idle(std::size_t index) const {
   return index != grid && active_[index] == 0 && active_[beyond] == 0;
 }
 
-// Spreads a level to the partners of its bodies, as one level less, but not to the heavy partners themselves.
+// Spreads a level to the partners of its bodies, as one level less, but not to the heavy partners themselves. Counts the
+// contacts of the level. Relaxed: a sum of whole numbers has no order, and it is read after the run.
 void HeavyLoads::spread(const PairTable& table, std::size_t index) {
   if (idle(index)) return;
   const Strip& s = table.strips[index];
   const std::uint8_t level = spreading_;
   const auto pass = [&](std::uint32_t from, std::uint32_t to) {
-    if (level_[from] != level || level_[to] + 1 >= level) return;
+    if (level_[to] + 1 >= level) return;
     const float w = inv_mass_[to];
     if (!(w > 0) || inv_mass_[from] >= w * ratio_) return;
     level_[to] = static_cast<std::uint8_t>(level - 1);
     next_[index] = 1;
   };
+  std::uint32_t contacts = 0;
   for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
-    pass(table.owner[p], table.other[p]);
-    pass(table.other[p], table.owner[p]);
+    const std::uint32_t a = table.owner[p], b = table.other[p];
+    const std::uint8_t of_a = level_[a], of_b = level_[b];
+    if (of_a != level && of_b != level) continue;
+    contacts += std::max(of_a, of_b) == level ? 1 : 0;
+    if (of_a == level) pass(a, b);
+    if (of_b == level) pass(b, a);
   }
+  of_level_.fetch_add(contacts, std::memory_order_relaxed);
 }
 
 // Chooses the next pass, after all strips were gone over.
@@ -136,25 +136,28 @@ void HeavyLoads::finish_pass(const PairTable& table) {
     case Phase::ratios:
       class_ = least_class_;
       return try_ratio(table);
-    case Phase::spread:
-      --spreading_;
-      [[fallthrough]];
     case Phase::mark:
       return begin_spread(table);
-    case Phase::levels: {
-      const std::uint32_t most = most_contacts(pairs_);
-      std::uint32_t sum = levels_[kTop];
-      if (sum > most) {
-        ++class_;
-        return try_ratio(table);
-      }
-      const std::uint8_t least = class_ == least_class_ ? least_cut_ : std::uint8_t{1};
-      for (cut_ = kTop; cut_ > least && sum + levels_[cut_ - 1u] <= most; --cut_) sum += levels_[cut_ - 1u];
-      return end(true);
-    }
+    case Phase::spread:
+      return finish_level(table);
     case Phase::none:
       break;
   }
+}
+
+// The contacts of a level are chosen if they leave few enough; then the next level has its turn.
+void HeavyLoads::finish_level(const PairTable& table) {
+  chosen_ += of_level_;
+  const bool fits = chosen_ <= most_contacts(pairs_);
+  if (spreading_ == kTop && !fits) {
+    ++class_;
+    return try_ratio(table);
+  }
+  if (fits) cut_ = spreading_;
+  const std::uint8_t least = class_ == least_class_ ? least_cut_ : std::uint8_t{1};
+  if (!fits || spreading_ == least) return end(true);
+  --spreading_;
+  begin_spread(table);
 }
 
 // Goes on to the next ratio that leaves few enough contacts, or ends the search.
@@ -164,6 +167,7 @@ void HeavyLoads::try_ratio(const PairTable& table) {
   if (contacts() == 0) return end(false);
   ratio_ = std::ldexp(kLeastRatio, class_);
   spreading_ = kTop;
+  chosen_ = 0;
   std::fill_n(level_.data(), table.body_count, std::uint8_t{0});
   active_.assign(strips_, 0);
   next_ = active_;
@@ -178,11 +182,7 @@ void HeavyLoads::begin_spread(const PairTable& table) {
     if (next_[k] != 0) active_[k] = active_[k + 1 < grid ? k + 1 : 0] = 1;
   }
   if (next_[grid] != 0) std::fill(active_.begin(), active_.end(), std::uint8_t{1});
-  if (spreading_ == 1) {
-    for (auto& count : levels_) count = 0;
-    phase_ = Phase::levels;
-    return;
-  }
+  of_level_ = 0;
   phase_ = Phase::spread;
   next_ = active_;
   for (std::size_t k = 0; k < strips_; ++k) {

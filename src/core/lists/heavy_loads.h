@@ -64,34 +64,33 @@ class HeavyLoads {
   // The level of a body: kTop if a partner is much heavier, one less for each contact away, 0 beyond.
   static constexpr std::uint8_t kTop = 6;
   static constexpr int kRatios = 24;  // by powers of two from kLeastRatio
-  template <std::size_t kClasses>
-  using Counts = std::array<std::atomic<std::uint32_t>, kClasses>;  // contacts of each class
 
   // Every pass goes over all strips:
   //   ratios  how much heavier partners are
   //   mark    which bodies have a partner that is heavy enough
-  //   spread  how many contacts away from those the other bodies are
-  //   levels  how many contacts the chosen bodies have
-  enum class Phase : std::uint8_t { none, ratios, mark, spread, levels };
+  //   spread  which bodies are one contact further away, and how many contacts those before them have
+  enum class Phase : std::uint8_t { none, ratios, mark, spread };
 
   bool idle(std::size_t strip) const;
+  void count_ratios(const PairTable& table, std::size_t strip);
   void mark(const PairTable& table, std::size_t strip);
   void spread(const PairTable& table, std::size_t strip);
   void finish_pass(const PairTable& table);
+  void finish_level(const PairTable& table);
   void try_ratio(const PairTable& table);
   void begin_spread(const PairTable& table);
   void end(bool any);
 
-  Column<float> inv_mass_;                   // by slot
-  Column<std::uint8_t> level_;               // by slot
-  std::vector<std::uint8_t> active_, next_;  // by strip: it has bodies of the level that spreads
-  Counts<kRatios> ratios_;                   // of all strips
-  Counts<kTop + 1> levels_;                  // the same
-  Phase phase_ = Phase::none;                // the pass of the search that runs
-  std::size_t strips_ = 0;                   // number of strips
-  std::size_t done_ = 0;                     // number of pieces in the passes before this one
-  std::uint8_t spreading_ = kTop;            // the level that this pass spreads
-  int class_ = 0;                            // the power of two of the ratio that is tried
+  Column<float> inv_mass_;                                  // by slot
+  Column<std::uint8_t> level_;                              // by slot
+  std::vector<std::uint8_t> active_, next_;                 // by strip: it has bodies of the level that spreads
+  std::array<std::atomic<std::uint32_t>, kRatios> ratios_;  // pairs of each class
+  std::atomic<std::uint32_t> of_level_ = 0;                 // contacts of the level that this pass spreads
+  Phase phase_ = Phase::none;                               // the pass of the search that runs
+  std::size_t strips_ = 0;                                  // number of strips
+  std::size_t done_ = 0;                                    // number of pieces in the passes before this one
+  std::uint8_t spreading_ = kTop;                           // the level that this pass spreads
+  int class_ = 0;                                           // the power of two of the ratio that is tried
   // These two are the choice of the search that saw the most bodies since one slept. While bodies sleep, a search sees
   // fewer contacts. If that let it choose more of them, contacts at rest would become stiff, and throw off what their
   // overlaps carry.
@@ -100,6 +99,7 @@ class HeavyLoads {
   std::uint32_t counted_ = 0;             // bodies that were awake
   float ratio_ = kLeastRatio;             // that ratio
   std::uint64_t pairs_ = 0, looked_ = 0;  // number of pairs, number of looks in this search
+  std::uint64_t chosen_ = 0;              // contacts of the levels up to this one
   std::uint8_t cut_ = 1;
   bool any_ = false;
 };

@@ -17,8 +17,8 @@ constexpr double kSkinOfRadius = 0.1;
 // A body is at rest if it goes less than kAtRest of the skin in a frame. Where no more than kFewMoving of all bodies
 // are faster, lists have room for kRoomFrames frames.
 constexpr double kAtRest = 0.02, kFewMoving = 1.0 / 32, kRoomFrames = 8;
-// Lists that last are made only if all but kFewMoving of the bodies, who may be renewed alone, need at least so many
-// frames to use up the skin. Shapes pay for each pair in each frame: lists that are wide and do not last cost twice.
+// Among bodies of several parts, of which each pair is several in each frame, lists that last are made only if all but
+// kFewMoving of the bodies, who may be renewed alone, need at least so many frames to use up the skin.
 constexpr double kLeastFrames = 2;
 // A body is far faster than the others if it is so many times as fast as all but kFewMoving of them, and goes so many
 // typical radii in a frame. A gas has hardly any of these.
@@ -188,9 +188,10 @@ ListPlan plan_lists(const NeighbourLists& lists, const ListSettings& world, doub
   out.made.impact_rate = 7 * r * density * out.made.speed * (1 - 0.44 * covered) / ((1 - covered) * (1 - covered));
   const double speed = std::sqrt(s.square);
   const auto soon_used_up = [&] {
-    const double most =
-        quantile(bodies, 1 - kFewMoving, [&](std::uint32_t i) { return length_of(bodies.velocity(i)); });
-    return kLeastFrames * dt * most > kSkinOfRadius * r;
+    const auto parts_of = [&](std::uint32_t i) { return static_cast<double>(bodies.kind(bodies.id[i]).hull_count); };
+    if (!world.shapes || quantile(bodies, 0.5, parts_of) < 2) return false;
+    const auto speed_of = [&](std::uint32_t i) { return length_of(bodies.velocity(i)); };
+    return kLeastFrames * dt * quantile(bodies, 1 - kFewMoving, speed_of) > kSkinOfRadius * r;
   };
   if (std::isfinite(speed) && (kMarginFrames * dt * speed > kSkinOfRadius * r || soon_used_up())) {
     plan_flight(lists, world, s, dt, out);

@@ -33,6 +33,7 @@ struct ListSettings {
   bool uneven = false;       ///< masses differ: a heavy body may throw a light one
   bool restitution = false;  ///< impacts may speed bodies up
   bool mixed_radii = false;
+  bool shapes = false;      ///< some bodies are no discs
   bool link_all = false;    ///< every body takes substeps (fields)
   bool governed = false;    ///< a governor counts how many bodies each is looked at with
   bool makes_room = false;  ///< more candidates than in the last lists are to be expected

@@ -17,6 +17,7 @@ ListSettings list_settings(StepContext& c, const Span& span) {
           .uneven = c.plan.uneven,
           .restitution = c.plan.restitution,
           .mixed_radii = c.plan.radii,
+          .shapes = c.plan.manifolds,
           .link_all = c.plan.fields,
           .governed = c.governor.on(),
           .makes_room = c.detailed || c.governor.on() || span.step > span.frame};
