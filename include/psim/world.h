@@ -99,7 +99,7 @@ class PSIM_API World {
   bool remove_body(BodyId id);
 
   /// Removes many; returns how many. Those whose id is stale are passed over. Bodies that sleep go together: only what
-  /// leaned on them and stays wakes. If memory runs out (out_of_memory) some stay.
+  /// touched them and stays wakes. If memory runs out (out_of_memory) some stay.
   std::size_t remove_bodies(std::span<const BodyId> ids);
 
   /// Whether the body is there.

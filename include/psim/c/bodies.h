@@ -85,7 +85,7 @@ PSIM_API psim_result psim_world_apply_torque(psim_world* world, psim_body_id id,
 PSIM_API psim_result psim_world_explode(psim_world* world, const psim_explosion* explosion, size_t* pushed);
 
 /// Removes many; `removed` gets how many, unless it is NULL. Those whose id is stale are passed over. Bodies that sleep go
-/// together: only what leaned on them and stays wakes. If memory runs out (PSIM_ERROR_OUT_OF_MEMORY) some stay.
+/// together: only what touched them and stays wakes. If memory runs out (PSIM_ERROR_OUT_OF_MEMORY) some stay.
 PSIM_API psim_result psim_world_remove_bodies(psim_world* world, const psim_body_id* ids, size_t count,
                                               size_t* removed);
 

@@ -52,7 +52,7 @@ class Sleep {
   bool disturb(const SleepSource& source, std::uint32_t id);
   /// A body goes, or moves by the will of the host: what leaned on it wakes.
   bool disturb_neighbours(const SleepSource& source, std::uint32_t id);
-  /// Bodies that sleep go out of the world; each is named once and has no joints. What leaned on them, or was stacked with
+  /// Bodies that sleep go out of the world; each is named once and has no joints. What touched them, or was stacked with
   /// them, wakes. If there is no room for that, they stay asleep. Population::remove() comes next.
   bool let_go(const SleepSource& source, std::span<const std::uint32_t> ids);
   /// Wakes what touches a new static body.

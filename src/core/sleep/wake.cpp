@@ -288,7 +288,9 @@ bool Sleep::let_go(const SleepSource& source, std::span<const std::uint32_t> ids
   };
   const bool woke = or_else(stay, [&] {
     if (sleepers.list.size() == ids.size()) return false;
-    for (const std::uint32_t id : ids) ask_above(source, sleepers, sleeper(id));
+    for (const std::uint32_t id : ids) {
+      ask_around(source, sleepers, sleeper(id).at, bodies.properties(id).radius, Waking::kAbove);
+    }
     ask_stacked(sleepers, ids, bodies);
     return wake_queued(source, sleepers);
   });
