@@ -131,6 +131,7 @@ class StaticShapes {
   }
   /// The same in two steps: near() does not find the pieces any more, and either they go or lay_back() puts them back.
   void lift_sleeping(std::uint32_t first, std::uint32_t count);
+  void lift_all_sleeping() { sleepers_.clear(); }
   void drop_lifted(std::uint32_t first, std::uint32_t count);
   void lay_back(std::uint32_t first, std::uint32_t count);
 

@@ -273,10 +273,14 @@ bool Sleep::let_go(const SleepSource& source, std::span<const std::uint32_t> ids
   const auto sleeper = [&](std::uint32_t id) -> Sleeper& { return sleepers.list[bodies.info[id].slot]; };
   statics.make_room_to_leave(ids.size(), false);
   // They are in nobody's way first, so that only those that stay are found.
-  for (const std::uint32_t id : ids) {
-    Sleeper& s = sleeper(id);
-    s.goes = true;
-    statics.lift_sleeping(s.first_shape, s.pieces);
+  for (const std::uint32_t id : ids) sleeper(id).goes = true;
+  if (2 * ids.size() > sleepers.list.size()) {
+    statics.lift_all_sleeping();
+    for (const Sleeper& s : sleepers.list) {
+      if (!s.goes) statics.lay_back(s.first_shape, s.pieces);
+    }
+  } else {
+    for (const std::uint32_t id : ids) statics.lift_sleeping(sleeper(id).first_shape, sleeper(id).pieces);
   }
   const auto stay = [&] {
     sleepers.queue.clear();

@@ -44,37 +44,11 @@ struct Replay::State {
       c.tangent_speed = a.surface[2], c.rolling_resistance = a.surface[3];
     }
   }
-  // The next entry of the log.
-  void perform() {
+  // A change of the host.
+  void change(std::uint8_t op) {
     World& w = *world;
     std::string error;
-    std::uint8_t op = 0;
-    log->index(kOps, op);
-    compared = false;
     switch (op) {
-      case kStep: {
-        const auto dt = get<double>();
-        const auto detail = get<StepDetail>();
-        if (!log->ok()) return;
-        w.replay(detail, dt);
-        w.set_pre_solve({});
-        ++steps;
-        break;
-      }
-      case kDecide:
-        answers = get<std::vector<Answers>>();
-        w.set_pre_solve([this, next = std::size_t{0}](std::span<NewContact> contacts) mutable {
-          if (next < answers.size()) answer(answers[next++], contacts);
-        });
-        break;
-      case kHash: {
-        const auto hash = get<std::uint64_t>();
-        compared = log->ok();
-        if (!compared) return;
-        ++hashes;
-        if (differs == 0 && hash != w.state_hash()) differs = std::max<std::uint64_t>(steps, 1);
-        break;
-      }
       case kAddBody:
         w.add_body(get<BodyDesc>(), error);
         break;
@@ -107,6 +81,40 @@ struct Replay::State {
         break;
       default:
         call(op - std::size_t{kCallsBegin});
+    }
+  }
+  // The next entry of the log.
+  void perform() {
+    World& w = *world;
+    std::uint8_t op = 0;
+    log->index(kOps, op);
+    compared = false;
+    switch (op) {
+      case kStep: {
+        const auto dt = get<double>();
+        const auto detail = get<StepDetail>();
+        if (!log->ok()) return;
+        w.replay(detail, dt);
+        w.set_pre_solve({});
+        ++steps;
+        break;
+      }
+      case kDecide:
+        answers = get<std::vector<Answers>>();
+        w.set_pre_solve([this, next = std::size_t{0}](std::span<NewContact> contacts) mutable {
+          if (next < answers.size()) answer(answers[next++], contacts);
+        });
+        break;
+      case kHash: {
+        const auto hash = get<std::uint64_t>();
+        compared = log->ok();
+        if (!compared) return;
+        ++hashes;
+        if (differs == 0 && hash != w.state_hash()) differs = std::max<std::uint64_t>(steps, 1);
+        break;
+      }
+      default:
+        change(op);
     }
   }
 };

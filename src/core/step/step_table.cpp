@@ -7,8 +7,7 @@ namespace {
 
 // ---- what a part does
 
-// Frames of its motion that a renewed body has room for: few bodies are renewed, so that much room costs little, and
-// they are renewed seldom.
+// Frames of its motion that a renewed body has room for. Few bodies are renewed: much room for them costs little.
 constexpr double kRenewedFrames = 2.5;
 
 ListSettings list_settings(StepContext& c, const Span& span) {
