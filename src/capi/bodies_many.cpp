@@ -14,7 +14,7 @@ psim_result missing(const Call& call, const char* what) {
   return call.fail(PSIM_ERROR_ARGUMENT, std::string(what) + " must not be NULL");
 }
 
-// Those of C as C++ has them.
+// Copies an array of C into a vector of the types of C++.
 template <class C>
 auto copies(const C* from, std::size_t count) {
   using Of = std::conditional_t<std::is_same_v<C, double>, double, decltype(to_cpp(std::declval<C>()))>;

@@ -94,23 +94,23 @@ PSIM_API psim_result psim_world_remove_bodies(psim_world* world, const psim_body
 /// are passed over. PSIM_ERROR_ARGUMENT if an array is NULL. If memory runs out (PSIM_ERROR_OUT_OF_MEMORY) those that come
 /// later are as they were.
 /// @{
-/// As psim_world_set_transform.
+/// Does what psim_world_set_transform does.
 PSIM_API psim_result psim_world_set_transforms(psim_world* world, const psim_body_id* ids, size_t count,
                                                const psim_vec2* positions, const double* angles, size_t* changed);
-/// As psim_world_set_velocity.
+/// Does what psim_world_set_velocity does.
 PSIM_API psim_result psim_world_set_velocities(psim_world* world, const psim_body_id* ids, size_t count,
                                                const psim_vec2* velocities, const double* angular_velocities,
                                                size_t* changed);
-/// As psim_world_apply_impulse.
+/// Does what psim_world_apply_impulse does.
 PSIM_API psim_result psim_world_apply_impulses(psim_world* world, const psim_body_id* ids, size_t count,
                                                const psim_vec2* impulses, size_t* changed);
-/// As psim_world_apply_force.
+/// Does what psim_world_apply_force does.
 PSIM_API psim_result psim_world_apply_forces(psim_world* world, const psim_body_id* ids, size_t count,
                                              const psim_vec2* forces, size_t* changed);
-/// As psim_world_set_enabled.
+/// Does what psim_world_set_enabled does.
 PSIM_API psim_result psim_world_set_enabled_of(psim_world* world, const psim_body_id* ids, size_t count, int32_t on,
                                                size_t* changed);
-/// As psim_world_set_traits. The structs lie `stride` bytes apart (sizeof(psim_body_traits) for an array); if one of them
+/// Does what psim_world_set_traits does. The structs lie `stride` bytes apart (sizeof(psim_body_traits) for an array); if one of them
 /// has a field that cannot be read, nothing changes.
 PSIM_API psim_result psim_world_set_traits_of(psim_world* world, const psim_body_id* ids, size_t count,
                                               const psim_body_traits* traits, size_t stride, size_t* changed);

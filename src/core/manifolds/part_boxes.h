@@ -92,7 +92,7 @@ class PartBoxes {
     const float r = s_.bodies.radius[slot];
     return {-r, -r, r, r};
   }
-  // With what is lost to rounding.
+  // Returns the distance up to which parts may meet, with what is lost to rounding.
   float most_of(const Pair& pair) const {
     return pair.within + 1e-5f * (s_.bodies.radius[pair.a] + s_.bodies.radius[pair.b]);
   }

@@ -1,4 +1,4 @@
-// What a recording holds: the state that it began with, and a log of entries.
+// A recording holds the state that it began with, and a log of entries. This file describes the entries.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@ inline constexpr std::tuple kCalls{&World::remove_body,   &World::set_transform,
                                    &World::set_target,    &World::apply_force,      &World::apply_force_at,
                                    &World::apply_torque,  &World::explode,          &World::set_part_traits};
 
-// What an entry of the log is: one of these, or behind them a call.
+// An entry of the log begins with one of these numbers, or with kCallsBegin and the place of a call in kCalls.
 enum Op : std::uint8_t {
   kStep,
   kHash,
