@@ -91,6 +91,7 @@ struct ReachParams {
   float time = 0;       ///< s of a body's own motion
   float common_x = 0;   ///< m/s: velocity that motion is measured against
   float common_y = 0;
+  float beside = 0;  ///< m: more for fixed shapes, towards which bodies may go while they stay with each other
 };
 
 /// Grid that cell keys are computed against.

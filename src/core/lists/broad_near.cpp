@@ -68,7 +68,8 @@ void link_strip(const PairTable& table, std::size_t index, std::uint8_t* linked)
 // How far the common velocity goes within the margin's time: fixed shapes move by that against it.
 double NearSearch::common_way() const {
   const kernels::ReachParams& m = params_.margin;
-  return length_of({static_cast<double>(m.common_x), static_cast<double>(m.common_y)}) * static_cast<double>(m.time);
+  return length_of({static_cast<double>(m.common_x), static_cast<double>(m.common_y)}) * static_cast<double>(m.time) +
+         static_cast<double>(m.beside);
 }
 
 void NearSearch::near_body(std::uint32_t i, std::vector<std::uint32_t>& found, std::vector<StaticPair>& out) const {

@@ -30,8 +30,10 @@ void BroadPhase::measure(const BroadPhaseParams& p) {
   BodyExtent all;
   std::mutex one_at_a_time;
   run_stream(b.blocks(), s_.pool, [&](BlockRange r) {
-    const float most = s_.kernels.reaches(b.view(), b.radius.data(), p.margin, b.reach.data(), r.begin, r.end);
     place(p.ahead, r);
+    const float most = common_.on()
+                           ? reach_beyond_common(r)
+                           : s_.kernels.reaches(b.view(), b.radius.data(), p.margin, b.reach.data(), r.begin, r.end);
     BodyExtent mine;
     s_.kernels.extent(b.built.data(), mine.box, r.begin, r.end);
     const std::lock_guard lock(one_at_a_time);
@@ -47,6 +49,19 @@ void BroadPhase::measure(const BroadPhaseParams& p) {
   // That of a body at rest with no radius; where skins go by radius, with the skin of the last body, whose moves it makes.
   const kernels::ReachParams& m = p.margin;
   next_pad_reach_ = m.of_radius != 0 ? std::min(m.of_radius * b.radius[b.count - 1], m.skin) : b.reach[b.count];
+}
+
+// How far bodies reach that have something in common: by what they move beside it. Returns the largest.
+float BroadPhase::reach_beyond_common(BlockRange r) const {
+  BodyStore& b = s_.bodies;
+  const kernels::ReachParams& m = params_.margin;
+  float most = 0;
+  for (std::uint32_t i = r.begin * kBlock; i < r.end * kBlock; ++i) {
+    const float skin = m.of_radius != 0 ? std::min(m.of_radius * b.radius[i], m.skin) : m.skin;
+    b.reach[i] = b.radius[i] + skin + common_.use(i, b.built.data() + 2 * std::size_t{i}, m.time);
+    most = std::max(most, b.reach[i]);
+  }
+  return most;
 }
 
 // Writes into `built` the places at which the bodies are searched for.

@@ -16,6 +16,7 @@
 #include "lists/broad_cells.h"
 #include "lists/broad_near.h"
 #include "lists/broad_search.h"
+#include "lists/common_motion.h"
 #include "lists/pair_table.h"
 #include "lists/slot_origin.h"
 
@@ -84,14 +85,25 @@ class BroadPhase {
   /// that warm steps do not allocate, and no body is linked yet, or all are.
   void begin_table(PairTable& table, std::uint32_t bodies, bool link_all) const;
 
+  /// Brings what bodies have in common up to date. False if they move apart too far for the lists.
+  bool update_common() {
+    return common_.update(s_.bodies.built.data(), {params_.walls, params_.bounds},
+                          static_cast<double>(params_.margin.beside));
+  }
+
+  CommonMotion& common() { return common_; }
+  const CommonMotion& common() const { return common_; }
+
   SlotOrigin origin{cells_};
 
  private:
   void place(float ahead, BlockRange blocks) const;
+  float reach_beyond_common(BlockRange blocks) const;
   void open_lists(PairTable& table, double pairs_a_body, double growth);
 
   const Surroundings s_;
   BroadPhaseParams params_;  // of the present build
+  CommonMotion common_{s_};
   BroadCells cells_{s_};
   PairSearch search_{s_, cells_};
   NearSearch near_{s_, params_, cells_};

@@ -22,8 +22,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/cell_axis.h"
 #include "bodies/surroundings.h"
-#include "lists/cell_axis.h"
 
 namespace psim {
 

@@ -10,9 +10,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/cell_axis.h"
 #include "base/column.h"
 #include "kernel_table.h"
-#include "lists/cell_axis.h"
 
 namespace psim {
 

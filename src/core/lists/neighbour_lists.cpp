@@ -20,6 +20,13 @@ constexpr double kAtRest = 0.02, kFewMoving = 1.0 / 32, kRoomFrames = 8;
 // Among bodies of several parts, of which each pair is several in each frame, lists that last are made only if all but
 // kFewMoving of the bodies, who may be renewed alone, need at least so many frames to use up the skin.
 constexpr double kLeastFrames = 2;
+// Lists that last by what discs have in common (common_motion.h) are made for so many bodies, since fewer do not cost
+// much and settle a little better with fresh lists; where bodies cover so much of the area around them; and where all but
+// kFewMoving use up kMostSkin usual skins in no less than kCommonFrames. The skin is what these use up in kSkinFrames, but
+// not less than the usual one; towards what is fixed, bodies get kBesideFrames of their motion. Edges of regions are in
+// typical radii. docs/decisions/031-common-motion.md
+constexpr std::uint32_t kManyBodies = 4096;
+constexpr double kCrowd = 0.7, kMostSkin = 3, kCommonFrames = 1.3, kSkinFrames = 6, kBesideFrames = 12, kRegion = 16;
 // A body is far faster than the others if it is so many times as fast as all but kFewMoving of them, and goes so many
 // typical radii in a frame. A gas has hardly any of these.
 constexpr double kFarFaster = 3, kFarRadii = 4;
@@ -165,7 +172,36 @@ void plan_flight(const NeighbourLists& lists, const ListSettings& world, const S
   }
 }
 
-ListPlan plan_lists(const NeighbourLists& lists, const ListSettings& world, double dt) {
+// The plan for discs that move fast, but hardly against those beside them: lists last as they do where bodies are at rest.
+// False if they would not last.
+bool plan_common(NeighbourLists& lists, const ListSettings& world, double r, double dt, BroadPhaseParams& p) {
+  const BodyStore& b = lists.surroundings.bodies;
+  const double covered = 3.14159 * r * r * lists.broad.cells().density();
+  if (world.shapes || world.restitution || b.count < kManyBodies || covered < kCrowd) return false;
+  const double edge = kRegion * r, usual = static_cast<double>(p.margin.skin), most = kMostSkin * usual;
+  const auto widest = static_cast<double>(*std::max_element(b.radius.data(), b.radius.data() + b.count));
+  CommonMotion& common = lists.broad.common();
+  if (4 * (widest + most) > edge || !common.cut(edge)) return false;
+  const CommonMotion::Fixed fixed = lists.fixed_of(*world.desc);
+  common.update(b.pos.data(), fixed, 0);
+  const double used = kMarginFrames * dt * quantile(b, 1 - kFewMoving, [&](std::uint32_t i) {
+                        return static_cast<double>(common.speed(i, b.pos.data() + 2 * std::size_t{i}));
+                      });
+  if (!(kCommonFrames * used <= most)) {
+    common.stop();
+    return false;
+  }
+  const double skin = std::clamp(kSkinFrames * used, usual, most);
+  const double speed = quantile(b, 1 - kFewMoving, [&](std::uint32_t i) { return length_of(b.velocity(i)); });
+  p.margin.skin = static_cast<float>(skin);
+  p.margin.of_radius *= static_cast<float>(skin / usual);
+  p.margin.beside = static_cast<float>(lesser(kBesideFrames * dt * speed, edge / 4));
+  p.outer += 2 * (skin - usual);
+  common.update(b.pos.data(), fixed, static_cast<double>(p.margin.beside));
+  return true;
+}
+
+ListPlan plan_lists(NeighbourLists& lists, const ListSettings& world, double dt) {
   const WorldDesc& desc = *world.desc;
   const BodyStore& bodies = lists.surroundings.bodies;
   const Sample s = sample_bodies(bodies, static_cast<double>(world.least_radius), world.mixed_radii, dt);
@@ -194,7 +230,7 @@ ListPlan plan_lists(const NeighbourLists& lists, const ListSettings& world, doub
     return kLeastFrames * dt * quantile(bodies, 1 - kFewMoving, speed_of) > kSkinOfRadius * r;
   };
   if (std::isfinite(speed) && (kMarginFrames * dt * speed > kSkinOfRadius * r || soon_used_up())) {
-    plan_flight(lists, world, s, dt, out);
+    if (!plan_common(lists, world, r, dt, out.broad)) plan_flight(lists, world, s, dt, out);
   } else if (bodies.count >= BroadPhase::kSmallWorld &&
              share_above(bodies, kAtRest * kSkinOfRadius * r / (kMarginFrames * dt)) <= kFewMoving) {
     // What is fast among many at rest gets room for several frames, which costs the others little.
@@ -205,8 +241,15 @@ ListPlan plan_lists(const NeighbourLists& lists, const ListSettings& world, doub
 
 }  // namespace
 
+CommonMotion::Fixed NeighbourLists::fixed_of(const WorldDesc& desc) const {
+  const Vec2 c = surroundings.lattice.centre();
+  return {desc.boundary == Boundary::walls,
+          {desc.bounds.xmin - c.x, desc.bounds.ymin - c.y, desc.bounds.xmax - c.x, desc.bounds.ymax - c.y}};
+}
+
 void NeighbourLists::measure(const ListSettings& world, double dt) {
   const WorldDesc& desc = *world.desc;
+  broad.common().stop();
   ListPlan plan = plan_lists(*this, world, dt);
   const bool selected = plan.mode != ListMode::persistent;
   const double reach = plan.broad.outer + (selected ? 0 : 2 * kMarginFrames * dt * plan.made.speed);
@@ -220,12 +263,11 @@ void NeighbourLists::measure(const ListSettings& world, double dt) {
   if (!changed) p.outer = 0;
   if (!changed && world.makes_room) p.growth = std::clamp(growth, 1.0, 4.0);
   p.sample = world.governed;
-  p.walls = desc.boundary == Boundary::walls;
   p.periodic = desc.boundary == Boundary::periodic;
   p.mixed_radii = world.mixed_radii;
   p.link_all = world.link_all;
-  const Vec2 c = surroundings.lattice.centre();
-  p.bounds = {desc.bounds.xmin - c.x, desc.bounds.ymin - c.y, desc.bounds.xmax - c.x, desc.bounds.ymax - c.y};
+  p.walls = fixed_of(desc).walls;
+  p.bounds = fixed_of(desc).bounds;
   renewal.forget();
   broad.measure(p);
 }

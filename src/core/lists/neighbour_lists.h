@@ -82,7 +82,8 @@ struct NeighbourLists {
     const std::uint32_t bodies = surroundings.bodies.count;
     return !selects() && bodies >= BroadPhase::kSmallWorld && bodies == table.body_count;
   }
-  std::size_t bytes() const { return renewal.bytes() + speeds.bytes(); }
+  std::size_t bytes() const { return renewal.bytes() + speeds.bytes() + broad.common().bytes(); }
+  CommonMotion::Fixed fixed_of(const WorldDesc& desc) const;
 
   const Surroundings surroundings;
   BroadPhase broad{surroundings};

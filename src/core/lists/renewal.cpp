@@ -6,6 +6,7 @@
 #include <cstring>
 #include <memory>
 
+#include "base/elementary.h"
 #include "base/sort_keys.h"
 #include "base/tasks.h"
 
@@ -20,30 +21,21 @@ constexpr std::size_t kPairsABody = 8;  // most pairs a renewed body, on average
 
 }  // namespace
 
-bool ListRenewal::find(float time, std::span<const std::uint32_t> others) {
+// `beyond` calls its second argument for every slot of some blocks whose body goes beyond its margin.
+template <class Beyond>
+bool ListRenewal::find_beyond(const Beyond& beyond, std::span<const std::uint32_t> others) {
   const std::uint32_t most = b_.count / kShare;
-  const auto beyond = broad_.beyond_margins(time);
-  const auto px = static_cast<float>(s_.lattice.pitch_x()), py = static_cast<float>(s_.lattice.pitch_y());
   // Relaxed: each number gives one place of found_ to one job. Places are read and sorted after the run.
   std::atomic<std::uint32_t> count{0};
   const auto too_many = [&] { return count.load(std::memory_order_relaxed) > most; };
   found_.resize(most);
   run_stream(b_.blocks(), s_.pool, [&](BlockRange r) {
-    if (too_many() || beyond(r.begin, r.end) <= 0) return;
-    for (std::uint32_t block = r.begin; block < r.end && !too_many(); ++block) {
-      if (beyond(block, block + 1) <= 0) continue;
-      for (std::uint32_t slot = block * kBlock; slot < std::min(b_.count, (block + 1) * kBlock); ++slot) {
-        // The same arithmetic as in the list_age kernel.
-        const std::size_t i = slot;
-        const float x = static_cast<float>(wrap_sub(b_.pos[2 * i], b_.built[2 * i])) * px;
-        const float y = static_cast<float>(wrap_sub(b_.pos[2 * i + 1], b_.built[2 * i + 1])) * py;
-        const float u = b_.vel[2 * i], v = b_.vel[2 * i + 1];
-        const float next = std::sqrt(u * u + v * v) * time;
-        if (!(std::sqrt(x * x + y * y) + next - (b_.reach[i] - b_.radius[i]) > 0)) continue;
-        const std::uint32_t at = count.fetch_add(1, std::memory_order_relaxed);
-        if (at < most) found_[at] = slot;
-      }
-    }
+    if (too_many()) return;
+    beyond(r, [&](std::uint32_t slot) {
+      const std::uint32_t at = count.fetch_add(1, std::memory_order_relaxed);
+      if (at < most) found_[at] = slot;
+      return at < most;
+    });
   });
   known_ = true;
   found_.resize(too_many() ? 0 : count.load());
@@ -53,6 +45,41 @@ bool ListRenewal::find(float time, std::span<const std::uint32_t> others) {
   found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
   const auto is_new = [&](std::uint32_t slot) { return renewed_.empty() || mark_[slot] == kListed; };
   return renewed_.size() + static_cast<std::size_t>(std::ranges::count_if(found_, is_new)) <= most;
+}
+
+bool ListRenewal::find(float time, std::span<const std::uint32_t> others) {
+  const auto margin_of = [&](std::size_t i) { return b_.reach[i] - b_.radius[i]; };
+  const auto each = [&](BlockRange r, const auto& do_one) {
+    for (std::uint32_t slot = r.begin * kBlock; slot < std::min(b_.count, r.end * kBlock); ++slot) do_one(slot);
+  };
+  if (broad_.common().on()) {
+    if (!broad_.update_common()) return false;
+    const auto beyond = [&](BlockRange r, const auto& found) {
+      each(r, [&](std::uint32_t slot) {
+        if (broad_.common().use(slot, b_.built.data() + 2 * std::size_t{slot}, time) - margin_of(slot) > 0) found(slot);
+      });
+    };
+    return find_beyond(beyond, others);
+  }
+  const auto any_beyond = broad_.beyond_margins(time);
+  const auto px = static_cast<float>(s_.lattice.pitch_x()), py = static_cast<float>(s_.lattice.pitch_y());
+  const auto beyond = [&](BlockRange r, const auto& found) {
+    if (any_beyond(r.begin, r.end) <= 0) return;
+    bool room = true;
+    for (std::uint32_t block = r.begin; block < r.end && room; ++block) {
+      if (any_beyond(block, block + 1) <= 0) continue;
+      each({block, block + 1}, [&](std::uint32_t slot) {
+        // The same arithmetic as in the list_age kernel.
+        const std::size_t i = slot;
+        const float x = static_cast<float>(wrap_sub(b_.pos[2 * i], b_.built[2 * i])) * px;
+        const float y = static_cast<float>(wrap_sub(b_.pos[2 * i + 1], b_.built[2 * i + 1])) * py;
+        const float u = b_.vel[2 * i], v = b_.vel[2 * i + 1];
+        const float next = std::sqrt(u * u + v * v) * time;
+        if (std::sqrt(x * x + y * y) + next - margin_of(i) > 0) room = found(slot);
+      });
+    }
+  };
+  return find_beyond(beyond, others);
 }
 
 void ListRenewal::spare(std::size_t bodies) {
@@ -228,10 +255,16 @@ bool ListRenewal::look(const HeavyLoads* loads, const kernels::ReachParams& marg
     const std::size_t i = slot;
     if (mark_[i] == kListed) renewed_.push_back(place_of(slot));
     mark_[i] = kFound;
-    const float u = b_.vel[2 * i], v = b_.vel[2 * i + 1];
     const float skin = margin.of_radius != 0 ? std::min(margin.of_radius * b_.radius[i], margin.skin) : margin.skin;
-    const float room = skin + std::sqrt(u * u + v * v) * margin.time;
-    place({slot, b_.pos[2 * i], b_.pos[2 * i + 1], b_.radius[i] + room});
+    if (broad_.common().on()) {
+      std::int32_t at[2] = {b_.built[2 * i], b_.built[2 * i + 1]};
+      broad_.common().find_place(slot, at);
+      broad_.common().move_member(b_.built.data() + 2 * i, at);
+      place({slot, at[0], at[1], b_.radius[i] + skin + greater(broad_.common().use(slot, at, margin.time), 0.0f)});
+      continue;
+    }
+    const float u = b_.vel[2 * i], v = b_.vel[2 * i + 1];
+    place({slot, b_.pos[2 * i], b_.pos[2 * i + 1], b_.radius[i] + skin + std::sqrt(u * u + v * v) * margin.time});
   }
   merge_parts(renewed_, before, spare_renewed_, [](const Renewed& a, const Renewed& b) { return a.slot < b.slot; });
   search_all(table);
@@ -261,6 +294,7 @@ void ListRenewal::turn_back() {
     place(r);
     r = now;
   }
+  broad_.common().forget_members();
 }
 
 void ListRenewal::look_again(const PairTable& table) {

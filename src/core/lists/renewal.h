@@ -22,11 +22,13 @@ class ListRenewal {
  public:
   void describe(class Archive& a, std::size_t slots);  ///< for saved states
 
-  ListRenewal(const Surroundings& s, const BroadPhase& broad) : s_(s), b_(s.bodies), broad_(broad) {}
+  ListRenewal(const Surroundings& s, BroadPhase& broad) : s_(s), b_(s.bodies), broad_(broad) {}
 
   /// At most one body in kShare is renewed; if more need it, all lists are made again. The pairs of renewed bodies
   /// are a single job of every pass.
   static constexpr std::uint32_t kShare = 32;
+  /// Frames of its motion that a renewed body has room for. Few bodies are renewed: much room for them costs little.
+  static constexpr double kFrames = 2.5;
 
   /// Finds the bodies whose margin does not last for `time` seconds more, and takes the bodies in `others` (slots,
   /// ascending) with them. False if too many bodies are renewed, those of before included. O(bodies).
@@ -93,6 +95,8 @@ class ListRenewal {
     return static_cast<std::uint32_t>(b_.built[2 * std::size_t{slot} + (broad_.cells().wide() ? 0 : 1)]);
   }
   void place(const Renewed& at);
+  template <class Beyond>
+  bool find_beyond(const Beyond& beyond, std::span<const std::uint32_t> others);
   void search(const PairTable& table, std::uint32_t slot, Scratch& s) const;
   void search_all(const PairTable& table);
   void put_pairs(PairTable& table) const;
@@ -100,7 +104,7 @@ class ListRenewal {
 
   const Surroundings s_;
   BodyStore& b_;
-  const BroadPhase& broad_;
+  BroadPhase& broad_;
   std::vector<std::uint32_t> found_;          // slots, ascending
   std::vector<Renewed> renewed_;              // by slot, ascending
   std::vector<std::uint32_t> linked_;         // slots that were linked by a renewal, not by the last build

@@ -123,7 +123,8 @@ void PartSearch::note(std::span<const std::uint32_t> slots, const kernels::Reach
   wide_.clear();
   few_.clear();
   common_way_ = length_of({static_cast<double>(margin.common_x), static_cast<double>(margin.common_y)}) *
-                static_cast<double>(margin.time);
+                    static_cast<double>(margin.time) +
+                static_cast<double>(margin.beside);
   for (const std::uint32_t slot : slots) {
     if (has_many(slot)) wide_.push_back(noted(slot, margin, ahead));
     if (lasts && has_few(slot)) few_.push_back(noted(slot, margin, ahead));

@@ -23,8 +23,8 @@ void BroadPhase::describe(Archive& a, bool periodic, bool cells) {
   bool fixed = s_.statics.any();  // kept in the format, but known from the fixed shapes
   kernels::GridView& g = grid.view;
   a.refuse_nan(true);
-  values(a, p.margin.skin, p.margin.of_radius, p.margin.time, p.margin.common_x, p.margin.common_y, p.ahead, p.outer,
-         p.sample, p.growth, p.walls, p.periodic, p.mixed_radii, p.link_all, p.bounds);
+  values(a, p.margin.skin, p.margin.of_radius, p.margin.time, p.margin.common_x, p.margin.common_y, p.margin.beside,
+         p.ahead, p.outer, p.sample, p.growth, p.walls, p.periodic, p.mixed_radii, p.link_all, p.bounds);
   values(a, c.extent_.most, c.extent_.box, c.sorted_);
   values(a, g.mid_x, g.mid_y, g.scale_x, g.scale_y, g.offset_x, g.offset_y, g.cols, g.rows, g.stride);
   values(a, grid.cell, grid.periodic, grid.keys, c.listed_, c.large_, c.most_, c.box_, c.area_, c.density_, pad_reach_,
@@ -36,9 +36,11 @@ void BroadPhase::describe(Archive& a, bool periodic, bool cells) {
     }
   }
   a.refuse_nan(false);
+  common_.describe(a);
   c.list_.describe(a, periodic, cells && c.listed_);
   if (!a.loading()) return;
-  a.require(p.margin.skin >= 0 && p.margin.of_radius >= 0 && p.margin.time >= 0 && p.growth >= 0 && p.outer >= 0);
+  a.require(p.margin.skin >= 0 && p.margin.of_radius >= 0 && p.margin.time >= 0 && p.margin.beside >= 0 &&
+            p.growth >= 0 && p.outer >= 0);
   a.require(c.most_ >= 0 && c.box_ >= 0 && c.area_ >= 0 && c.density_ >= 0 && c.tests_ >= 0 && s.pairs_a_large_ >= 0 &&
             s.pairs_a_large_ <= kMostGuess);
   if (!cells) return;
@@ -52,6 +54,24 @@ void BroadPhase::describe(Archive& a, bool periodic, bool cells) {
   a.require(g.scale_x == static_cast<float>(s_.lattice.pitch_x() / grid.cell[0]) &&
             g.scale_y == static_cast<float>(s_.lattice.pitch_y() / grid.cell[1]));
   a.require(g.offset_x == static_cast<float>(g.cols) / 2 && g.offset_y == static_cast<float>(g.rows) / 2);
+}
+
+// The regions alone. Who is in them, and what they have in common, follows from the bodies.
+void CommonMotion::describe(Archive& a) {
+  Grid& g = grid_;
+  values(a, g.shift, g.first, g.columns, g.rows);
+  if (!a.loading()) return;
+  counted_ = false;
+  a.require((g.columns == 0) == (g.rows == 0));
+  a.require(static_cast<double>(g.columns) * g.rows <= static_cast<double>(most_regions()));
+  for (const int axis : {0, 1}) {
+    if (g.columns == 0) break;
+    a.require(g.shift[axis] >= 1 && g.shift[axis] <= 31);
+    if (!a.ok()) break;
+    const std::uint32_t n = axis == 0 ? g.columns : g.rows;
+    a.require(n <= along(g.shift[axis]) && g.first[axis] < along(g.shift[axis]));
+  }
+  if (!a.ok()) stop();
 }
 
 void CellList::describe(Archive& a, bool periodic, bool used) {

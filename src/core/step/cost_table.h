@@ -75,6 +75,8 @@ inline constexpr double kSpeeds = 0.1, kUnevenSpeeds = 0.36;
 inline constexpr double kInItsLane = 0.1, kRemembered = 0.6;
 // On the looks at manifolds whose lists serve several frames: such manifolds last less often.
 inline constexpr double kLongLooks = 1.4;
+// On UnitCosts::check, a body: margins are measured against what bodies have in common.
+inline constexpr double kCommonCheck = 8;
 // Shares of UnitCosts::sort that the parts of sorting bodies take; more where radii differ or cells are listed.
 inline constexpr double kMeasure = 0.2, kCount = 0.3, kMove = 0.5;
 inline constexpr double kMixedCount = 0.6, kListedCount = 2, kMixedMove = 1;

@@ -7,9 +7,6 @@ namespace {
 
 // ---- what a part does
 
-// Frames of its motion that a renewed body has room for. Few bodies are renewed: much room for them costs little.
-constexpr double kRenewedFrames = 2.5;
-
 ListSettings list_settings(StepContext& c, const Span& span) {
   return {.desc = &c.desc,
           .least_radius = c.population.least_radius,
@@ -78,7 +75,7 @@ void renew(StepContext& c, const Span& span, StepReport& report, PieceRange) {
   if (!lists.stale) {
     c.contacts.discs.lift(lists.table);
     kernels::ReachParams margin = lists.broad.margin();
-    margin.time = static_cast<float>(kMarginFrames * kRenewedFrames * span.frame);
+    margin.time = static_cast<float>(kMarginFrames * ListRenewal::kFrames * span.frame);
     const HeavyLoads* const loads = c.plan.loads ? &c.contacts.loads : nullptr;
     lists.stale = !renewal.look(loads, margin, lists.table) || !put_renewed(c, margin);
   }
@@ -249,8 +246,7 @@ double crowded(const WorkCounts& w) {
   return w.has.mixed && w.sweeps > 0 ? std::min(n(w.touching) / std::max(n(w.contacts), 1.0), 1.0) : 0;
 }
 
-// ns of a candidate that is selected from, of a contact of discs that is laid out, and to find how fast bodies move in
-// their strips before a step selects.
+// ns of a candidate, of a contact of discs that is laid out, and of finding how fast bodies move in their strips.
 double select_ns(const UnitCosts& ns, const WorkCounts& w) { return ns.select * (1 + kMixedSelect * crowded(w)); }
 double lay_out_ns(const UnitCosts& ns, const WorkCounts& w) {
   return (w.has.rough || w.sweeps > 0 ? ns.lay_out_rough : ns.lay_out) * (1 + kMixedPressing * crowded(w)) *
@@ -260,13 +256,16 @@ double speeds_ns(const UnitCosts& ns, const WorkCounts& w) {
   return (w.has.uneven ? kUnevenSpeeds : kSpeeds) * ns.sort * n(w.bodies);
 }
 
+double check_bodies(const UnitCosts& ns, const StepContext& c) {
+  return (c.neighbours.broad.common().on() ? kCommonCheck : 1) * ns.check * n(c.bodies.count);
+}
 double piece_check(const UnitCosts& ns, const StepContext& c, const WorkCounts& w, std::size_t) {
-  return ns.check * n(c.bodies.count) + (c.sleep.sleepers.woke ? ns.sleep * n(w.contacts + 6 * w.manifolds.pairs) : 0);
+  return check_bodies(ns, c) + (c.sleep.sleepers.woke ? ns.sleep * n(w.contacts + 6 * w.manifolds.pairs) : 0);
 }
 double whole_check(const UnitCosts& ns, const WorkCounts& w) { return ns.check * n(w.bodies); }
 
 double piece_renew(const UnitCosts& ns, const StepContext& c, const WorkCounts& w, std::size_t) {
-  return 2 * ns.search * n(c.neighbours.renewal.count()) + ns.check * n(c.bodies.count) +
+  return 2 * ns.search * n(c.neighbours.renewal.count()) + check_bodies(ns, c) +
          (c.sorts_out() ? kGather * ns.group * n(w.manifolds.pairs) : 0);
 }
 
