@@ -226,6 +226,7 @@ TEST(RenewalImpulses, StayWhereFixedShapesGetNewContacts) {
     add(*world, segment({30, 0}, {30, 60}));
     add(*world, lattice(900, {0.5, 0.5, 29.5, 36}, 0.5, 0, {}));
     std::vector<BodyId> others;
+    others.reserve(15);
     for (int k = 0; k < 15; ++k) others.push_back(add(*world, disc({32.0 + k, 50.0})));
     run(*world, 900);
     std::uint64_t renewed = 0;
