@@ -38,8 +38,8 @@ bool CommonMotion::cut(double least_edge) {
     const double pitch = axis == 0 ? s_.lattice.pitch_x() : s_.lattice.pitch_y();
     std::uint32_t& shift = g.shift[axis];
     for (shift = 1; shift < 31 && static_cast<double>(1u << shift) * pitch < least_edge;) ++shift;
-    g.first[axis] = static_cast<std::uint32_t>(box[axis]) >> shift;
-    n[axis] = (((static_cast<std::uint32_t>(box[axis + 2]) >> shift) - g.first[axis]) & (along(shift) - 1)) + 1;
+    g.low[axis] = box[axis];
+    n[axis] = (static_cast<std::uint32_t>(wrap_sub(box[axis + 2], box[axis])) >> shift) + 1;
   }
   if (static_cast<double>(n[0]) * n[1] > static_cast<double>(most_regions())) return false;
   g.columns = n[0], g.rows = n[1];
@@ -50,8 +50,7 @@ bool CommonMotion::cut(double least_edge) {
 
 std::size_t CommonMotion::index_of(const std::int32_t* place) const {
   const auto at = [&](int axis) {
-    return ((static_cast<std::uint32_t>(place[axis]) >> grid_.shift[axis]) - grid_.first[axis]) &
-           (along(grid_.shift[axis]) - 1);
+    return static_cast<std::uint32_t>(wrap_sub(place[axis], grid_.low[axis])) >> grid_.shift[axis];
   };
   const std::uint32_t column = at(0), row = at(1);
   if (column >= grid_.columns || row >= grid_.rows) return std::size_t{grid_.columns} * grid_.rows;
@@ -174,8 +173,10 @@ void CommonMotion::find_room(const Fixed& fixed, double beside) {
     if (k + 1 == regions_.size() || r.members == 0) continue;
     const auto column = static_cast<std::uint32_t>(k % grid_.columns),
                row = static_cast<std::uint32_t>(k / grid_.columns);
-    const Vec2 low = s_.lattice.metres(static_cast<std::int32_t>((grid_.first[0] + column) << grid_.shift[0]),
-                                       static_cast<std::int32_t>((grid_.first[1] + row) << grid_.shift[1]));
+    const auto begin = [&](int axis, std::uint32_t number) {
+      return wrap_add(grid_.low[axis], static_cast<std::int32_t>(number << grid_.shift[axis]));
+    };
+    const Vec2 low = s_.lattice.metres(begin(0, column), begin(1, row));
     const Bounds box{low.x - clear, low.y - clear, low.x + edge(0) + clear, low.y + edge(1) + clear};
     const Bounds& all = fixed.bounds;
     if (fixed.walls && (box.xmin < all.xmin || box.ymin < all.ymin || box.xmax > all.xmax || box.ymax > all.ymax)) {

@@ -57,7 +57,7 @@ class CommonMotion {
  private:
   struct Grid {
     std::uint32_t shift[2] = {};          // a region's edges are 2^shift lattice steps
-    std::uint32_t first[2] = {};          // the first column and row of the lattice
+    std::int32_t low[2] = {};             // lattice steps: where the first one begins
     std::uint32_t columns = 0, rows = 0;  // 0: bodies have nothing in common
   };
   struct Region {

@@ -59,7 +59,7 @@ void BroadPhase::describe(Archive& a, bool periodic, bool cells) {
 // The regions alone. Who is in them, and what they have in common, follows from the bodies.
 void CommonMotion::describe(Archive& a) {
   Grid& g = grid_;
-  values(a, g.shift, g.first, g.columns, g.rows);
+  values(a, g.shift, g.low, g.columns, g.rows);
   if (!a.loading()) return;
   counted_ = false;
   a.require((g.columns == 0) == (g.rows == 0));
@@ -69,7 +69,7 @@ void CommonMotion::describe(Archive& a) {
     a.require(g.shift[axis] >= 1 && g.shift[axis] <= 31);
     if (!a.ok()) break;
     const std::uint32_t n = axis == 0 ? g.columns : g.rows;
-    a.require(n <= along(g.shift[axis]) && g.first[axis] < along(g.shift[axis]));
+    a.require(n <= along(g.shift[axis]));
   }
   if (!a.ok()) stop();
 }
