@@ -304,5 +304,21 @@ TEST(CommonLists, AreTheSameEverywhereAndAfterARestore) {
   }
 }
 
+TEST(CommonLists, AreTheSameWhereverABlockFalls) {
+  const auto speeds_at = [](double far) {
+    WorldDesc desc;
+    desc.boundary = Boundary::open;
+    desc.bounds = kOpenBounds;
+    auto world = make(desc);
+    Discs discs = lattice(5000, {-35, 0, 35, 77}, 0.5, 0.01, Material{});
+    for (double& x : discs.x) x += far;
+    add(*world, discs);
+    run(*world, 80);
+    const PublishedState s = world->published();
+    return std::vector(s.vy.begin(), s.vy.end());
+  };
+  EXPECT_EQ(speeds_at(0), speeds_at(4096));
+}
+
 }  // namespace
 }  // namespace psim::test
