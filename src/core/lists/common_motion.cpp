@@ -149,16 +149,16 @@ void CommonMotion::compare() {
     float parting = 0;
     each_beside(k, [&](std::size_t other) {
       const Region& o = regions_[other];
-      if (o.members == 0) return;
+      if (o.members == 0 && r.members != 0) return;
       apart = greater(apart, length(way - way_of(o)));
       parting = greater(parting, length(r.vx - o.vx, r.vy - o.vy));
     });
-    // Who comes into an empty region bears alone what it differs by.
+    // A body that comes into an empty region bears alone what the ways there differ by: bodies beside it did not allow for it.
     const float share = r.members != 0 ? 0.5f : 1.0f;
     r.apart = share * static_cast<float>(apart);
     r.parting = share * parting;
   }
-  // So do all that are outside, who do not move along.
+  // Bodies outside all regions do so, too; they have no way in common.
   differ_ = length(high - low);
   regions_.back().apart = static_cast<float>(differ_);
   regions_.back().parting = static_cast<float>(fastest);

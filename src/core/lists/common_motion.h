@@ -1,4 +1,4 @@
-// What discs that lie close have in common of their motion. A heap that sways moves by metres while hardly a disc moves
+// Finds the motion that discs which lie close have in common. A heap that sways moves by metres while hardly a disc moves
 // against its neighbours: lists of who may meet last as long as that is little.
 //
 // The bodies' box is cut into regions, squares of the lattice. In a region that is packed, what its bodies moved since the
@@ -22,7 +22,7 @@ namespace psim {
 
 class CommonMotion {
  public:
-  /// What does not move.
+  /// Tells update() where bodies may meet something that does not move; fixed shapes it knows.
   struct Fixed {
     bool walls = false;
     Bounds bounds;  ///< of the world, about the centre of the lattice, m
