@@ -21,14 +21,16 @@ std::unique_ptr<Simulation> start_psim(const Model& model) {
 
 namespace {
 
-Scene bin(double dt, Material m) {
+Scene bin(double dt, Material m, int shift = 0) {
   constexpr int kColumns = 15;
   const double width = kColumns * 1.02 + 1;
   Scene scene = walled_scene(width, 4 * width, m, {0, -kGravity});
   scene.world.dt = dt;
   for (int j = 0; j < kColumns; ++j) {
     for (int i = 0; i < kColumns; ++i) {
-      scene.bodies.push_back(disc({1 + 1.02 * i + 0.007 * ((i * 7 + j * 13) % 3), 0.51 + 1.02 * j}, {}, m));
+      scene.bodies.push_back(disc(
+          {1 + 1.02 * i + 0.007 * ((i * 7 + j * 13) % 3) + 0.0001 * shift * ((i * 5 + j * 3) % 7), 0.51 + 1.02 * j}, {},
+          m));
     }
   }
   return scene;
@@ -103,6 +105,26 @@ bool Landing::stable() const { return whole && energy_gain < 0.01 && speed < 0.0
 Landing land(double dt, double restitution, double friction, const Start& start) {
   const int frames = std::max(20, static_cast<int>(std::ceil(kLandingTime / dt)));
   return watch_landing(bin(dt, {1, restitution, friction}), start, frames);
+}
+
+Landing usual_landing(double dt, double restitution, double friction) {
+  constexpr int kStarts = 7;
+  std::vector<double> speed, overlap;
+  Landing usual;
+  usual.whole = true;
+  for (int k = 0; k < kStarts; ++k) {
+    const int frames = std::max(20, static_cast<int>(std::ceil(2 * kLandingTime / dt)));
+    const Landing one = watch_landing(bin(dt, {1, restitution, friction}, k), start_psim, frames);
+    usual.whole = usual.whole && one.whole;
+    usual.energy_gain = std::max(usual.energy_gain, one.energy_gain);
+    speed.push_back(one.speed);
+    overlap.push_back(one.overlap);
+  }
+  for (const auto& [column, value] : {std::pair(&speed, &usual.speed), std::pair(&overlap, &usual.overlap)}) {
+    std::ranges::nth_element(*column, column->begin() + kStarts / 2);
+    *value = (*column)[kStarts / 2];
+  }
+  return usual;
 }
 
 double largest_stable_step(const Start& start) {

@@ -121,16 +121,14 @@ void warm_contacts(const BodyView& b, const ContactView& c, const ContactParams&
   }
 }
 
-/// row_bounces with the approach of the two bodies before the kick.
+/// The approach of the two bodies before the kick.
 template <class L>
-PSIM_INLINE inline M<L> bouncing(const BodyView& b, const ContactView& c, const ContactParams& p, std::size_t k,
-                                 F<L> nx, F<L> ny, F<L> s, F<L>& target) {
+PSIM_INLINE inline F<L> approach_before(const BodyView& b, const ContactView& c, std::size_t k, F<L> nx, F<L> ny) {
   const std::uint32_t* slot = c.body + 2 * k;
   F<L> ax, ay, bx, by;
   L::template gather<2>(b.vel0, slot, ax, ay);
   L::template gather<2>(b.vel0, slot + 1, bx, by);
-  const auto vn0 = nx * (bx - ax) + ny * (by - ay);
-  return row_bounces<L>(c, p, k, vn0, s, target);
+  return nx * (bx - ax) + ny * (by - ay);
 }
 
 /// The solve pass: push out softly, or stop the approach of a gap that would close.
@@ -147,8 +145,8 @@ void solve_contacts(const BodyView& b, const ContactView& c, const ContactParams
     typename L::Signs settled{};
     if constexpr (kBounce != Bounce::none) {
       settled = negative(L::load(c.impact + k));
-      if constexpr (kBounce == Bounce::edge) L::store(c.start + k, l);
       if (all(settled) && !any(l != zero)) {  // settled, nothing to take back
+        if constexpr (kBounce == Bounce::edge) L::store(c.start + k, open);
         L::store(c.impulse + k, open);
         continue;
       }
@@ -169,9 +167,11 @@ void solve_contacts(const BodyView& b, const ContactView& c, const ContactParams
     L::template gather<2>(b.vel, slot + 1, vbx, vby);
     const auto vn = nx * (vbx - vax) + ny * (vby - vay);
     if constexpr (kBounce != Bounce::none) {
-      F<L> target;
-      const auto hit = bouncing<L>(b, c, p, k, nx, ny, s, target);
-      aim_at_bounce<L>(aim, hit, target);
+      const auto impacts = impacts_of<L>(L::load(c.e + k), approach_before<L>(b, c, k, nx, ny), s, p);
+      aim_at_bounce<L>(aim, impacts);
+      if constexpr (kBounce == Bounce::edge) {
+        L::store(c.start + k, start_of<L>(l, select(settled, L::none(), impacts.may)));
+      }
     }
     const auto m = kModel == Model::plain ? half : L::load(c.mass + k);
     const auto dl = m * (aim.mass * vn + aim.bias) + aim.impulse * l;
@@ -197,7 +197,7 @@ void solve_contacts(const BodyView& b, const ContactView& c, const ContactParams
 /// What an impact with restitution adds is not carried into the next substep: it is left in `start`
 /// for spend_contacts.
 template <class L, Model kModel, Bounce kBounce>
-void relax_contacts(const BodyView& b, const ContactView& c, const ContactParams& p, std::uint32_t begin,
+void relax_contacts(const BodyView& b, const ContactView& c, const ContactParams&, std::uint32_t begin,
                     std::uint32_t end) {
   const F<L> zero = 0, half = 0.5f;
   for (std::size_t k = static_cast<std::size_t>(begin) * kBlock; k < static_cast<std::size_t>(end) * kBlock;
@@ -223,10 +223,8 @@ void relax_contacts(const BodyView& b, const ContactView& c, const ContactParams
     auto vn = nx * rx + ny * ry;
     M<L> was{};
     if constexpr (kBounce != Bounce::none) {
-      F<L> target;
-      const auto hit = bouncing<L>(b, c, p, k, nx, ny, -1e30f, target);
-      was = hit & (zero < l);
-      vn = vn + select(was, target, zero);
+      was = struck<L>(L::load(c.start + k), l);
+      if (any(was)) vn = vn + keep(was, L::load(c.e + k) * approach_before<L>(b, c, k, nx, ny));
     }
     const auto m = kModel == Model::plain ? half : L::load(c.mass + k);
     const auto next = select(negative(l), l, max(l - m * vn, zero));
@@ -255,14 +253,23 @@ void relax_contacts(const BodyView& b, const ContactView& c, const ContactParams
 /// Moves what impacts added to the impulses out of what the next substep repeats, after the relax
 /// pass left it in `start`: v0 += w dl n, and friction beyond mu times the lasting impulse likewise.
 template <class L, Model kModel>
-void spend_contacts(const BodyView& b, const ContactView& c, const ContactParams&, std::uint32_t begin,
+void spend_contacts(const BodyView& b, const ContactView& c, const ContactParams& p, std::uint32_t begin,
                     std::uint32_t end) {
   for (std::size_t k = static_cast<std::size_t>(begin) * kBlock; k < static_cast<std::size_t>(end) * kBlock;
        k += L::width) {
     const auto spent = L::load(c.start + k);
-    const auto hit = 0 < spent;
-    if (!any(hit)) continue;
+    if (!any(0 < spent)) continue;
     const std::uint32_t* slot = c.body + 2 * k;
+    F<L> vax, vay, vbx, vby;
+    L::template gather<2>(b.vel, slot, vax, vay);
+    L::template gather<2>(b.vel, slot + 1, vbx, vby);
+    F<L> dax, day, dbx, dby;
+    L::template gather<2>(b.disp, slot, dax, day);
+    L::template gather<2>(b.disp, slot + 1, dbx, dby);
+    const auto nx = L::load(c.nx + k), ny = L::load(c.ny + k);
+    const auto vn = nx * (vbx - vax) + ny * (vby - vay);
+    const auto s = L::load(c.gap + k) + (nx * (dbx - dax) + ny * (dby - day));
+    const auto hit = parted<L>(c.impulse + k, p, spent, vn, s);
     F<L> rest{};
     const auto [px, py] = spent_impulse<L, kModel>(c, k, spent, hit, rest);
     if constexpr (kModel == Model::rough) {

@@ -47,15 +47,34 @@ PSIM_INLINE inline Turned<L> turn_normal(const View& c, std::size_t k, M<L> stal
   return {use & (l != 0), l * turn};
 }
 
-/// Where touching bodies meet with restitution: the lanes whose approach vn0 (before the kick, negative) is faster
-/// than the floor and closes the gap s within the substep. `target` is what to add to vn, e vn0.
-template <class L, class View>
-PSIM_INLINE inline M<L> row_bounces(const View& c, const ContactParams& p, std::size_t k, F<L> vn0, F<L> s,
-                                    F<L>& target) {
-  target = L::load(c.e + k) * vn0;
-  const auto fast = vn0 < -p.impact_floor;
-  const auto near = s + vn0 * p.h < 0;
-  return fast & near & (0 < L::load(c.e + k));
+/// Impacts with restitution of bodies that touch.
+template <class L>
+struct Impacts {
+  M<L> may;     ///< the approach before the kick is faster than the floor
+  M<L> now;     ///< and it closes the gap within the substep
+  F<L> target;  ///< m/s: what to add to vn there, e vn0
+};
+
+/// `vn0`: the approach before the kick, negative; `s`: the separation.
+template <class L>
+PSIM_INLINE inline Impacts<L> impacts_of(F<L> e, F<L> vn0, F<L> s, const ContactParams& p) {
+  const F<L> zero = 0;
+  const auto may = (vn0 < -p.impact_floor) & (zero < e);
+  return {may, may & (s + vn0 * p.h < zero), e * vn0};
+}
+
+/// What the solve pass leaves for the relax pass: the impulse at the substep's start, with its sign set where an approach
+/// may be no impact.
+template <class L>
+PSIM_INLINE inline F<L> start_of(F<L> l, M<L> may) {
+  const auto start = max(l, 0);
+  return select(may, start, -start);
+}
+
+/// The lanes that the solve pass left as impacts and that press.
+template <class L>
+PSIM_INLINE inline M<L> struck(F<L> start, F<L> l) {
+  return select(negative(start), L::none(), 0 < l);
 }
 
 /// Of pairs apart by s, those that pass each other at their present velocities: the closest point of
@@ -92,12 +111,12 @@ PSIM_INLINE inline Aim<L> aim_of(const Softness<L>& soft, F<L> s) {
           select(apart, 0, soft.impulse)};
 }
 
-/// In the lanes of `hit` the row parts with the velocity `target` instead, rigidly.
+/// Where an impact is now, the row parts with the velocity `target` instead, rigidly.
 template <class L>
-PSIM_INLINE inline void aim_at_bounce(Aim<L>& aim, M<L> hit, F<L> target) {
-  aim.bias = select(hit, min(target, aim.bias), aim.bias);
-  aim.mass = select(hit, 1, aim.mass);
-  aim.impulse = select(hit, 0, aim.impulse);
+PSIM_INLINE inline void aim_at_bounce(Aim<L>& aim, const Impacts<L>& impacts) {
+  aim.bias = select(impacts.now, min(impacts.target, aim.bias), aim.bias);
+  aim.mass = select(impacts.now, 1, aim.mass);
+  aim.impulse = select(impacts.now, 0, aim.impulse);
 }
 
 /// A friction impulse within the cone: |t'| <= mu l.
@@ -111,9 +130,21 @@ PSIM_INLINE inline F<L> within_cone(F<L> t, F<L> mu, F<L> l) {
 /// at the substep's start. The rest is left in `start` for the spend pass.
 template <class L, class View>
 PSIM_INLINE inline void part_impact(const View& c, std::size_t k, M<L> was, F<L> l) {
-  const auto lasts = min(l, max(L::load(c.start + k), 0));
+  const auto lasts = min(l, abs(L::load(c.start + k)));
   L::store(c.start + k, keep(was, l - lasts));
   L::store(c.impulse + k, select(was, lasts, l));
+}
+
+/// The lanes with an impulse to be spent, at the end of a substep. Where bodies overlap deeply and still approach, at vn,
+/// what was taken for an impact carries a load: it is given back to the impulse and lasts. Else a heap that lands would
+/// bounce in each substep, its contacts would never carry, and its bodies would sink into one another.
+template <class L>
+PSIM_INLINE inline M<L> parted(float* impulse, const ContactParams& p, F<L> spent, F<L> vn, F<L> s) {
+  const F<L> zero = 0;
+  const auto hit = zero < spent, parts = (zero < vn) | (-F<L>(p.refresh) < s);
+  const auto l = L::load(impulse);
+  L::store(impulse, select(but_not(hit, parts), l + spent, l));
+  return hit & parts;
 }
 
 /// The impulse to be spent in the lanes of `hit`, with the friction that is beyond the cone of what lasts; `rest` is

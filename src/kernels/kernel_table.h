@@ -57,7 +57,7 @@ struct KernelTable {
   void (*warm_manifolds[2])(const BodyView&, ManifoldBlock*, SurfaceBlock*, float scale, Block, Block);
   void (*solve_manifolds[2][2][2])(const BodyView&, ManifoldBlock*, const ContactParams&, Block, Block);
   void (*relax_manifolds[2][2][2])(const BodyView&, ManifoldBlock*, SurfaceBlock*, const ContactParams&, Block, Block);
-  void (*spend_manifolds[2])(const BodyView&, ManifoldBlock*, Block, Block);
+  void (*spend_manifolds[2])(const BodyView&, ManifoldBlock*, const ContactParams&, Block, Block);
   void (*turn_bodies)(const BodyView&, const float* radius, const StreamParams&, Block, Block);
   // Contacts of hulls (collide_kernel.h): of A with 2, up to 4 or up to 8 vertices and B with a disc's
   // one or those.

@@ -67,26 +67,53 @@ void warm_manifolds(const BodyView& b, ManifoldBlock* blocks, SurfaceBlock* surf
   warm_all<L, kFixedA, true>(b, blocks, surfaces, scale, begin, end);
 }
 
-/// The lanes in which the approach of a point before the kick is an impact. `target` is the velocity with which the
-/// point should part.
+/// With what velocity the bodies part at a point.
 template <class L>
-PSIM_INLINE inline M<L> manifold_bounces(const TwoBodies<L>& before, F<L> nx, F<L> ny, F<L> at, F<L> bt, F<L> s, F<L> e,
-                                         const ContactParams& p, F<L>& target) {
-  const auto vn0 = nx * (before.vbx - before.vax) + ny * (before.vby - before.vay) + (before.ub * bt - before.ua * at);
-  target = e * vn0;
-  const auto fast = vn0 < -p.impact_floor;
-  const auto near = s + vn0 * p.h < 0;
-  return fast & near & (0 < e);
+PSIM_INLINE inline F<L> parting_speed(const TwoBodies<L>& before, F<L> nx, F<L> ny, F<L> at, F<L> bt) {
+  return nx * (before.vbx - before.vax) + ny * (before.vby - before.vay) + (before.ub * bt - before.ua * at);
+}
+
+/// How the bodies of some lanes have moved against each other since the frame's start.
+template <class L>
+struct Shift {
+  F<L> moved;             // along n, of B against A
+  Vec<L> turn_a, turn_b;  // arm changes
+  F<L> round_a, round_b;
+
+  /// The separation of a point.
+  PSIM_INLINE F<L> separation(const ManifoldBlock::Point& point, std::uint32_t k) const {
+    const auto an = L::load(point.an + k), bn = L::load(point.bn + k);
+    const auto turned_a = turn_a.x * (an - round_a) + turn_a.y * L::load(point.at + k);
+    const auto turned_b = turn_b.x * (bn + round_b) + turn_b.y * L::load(point.bt + k);
+    return L::load(point.gap + k) + (moved + (turned_b - turned_a));
+  }
+};
+
+template <class L>
+PSIM_INLINE inline Shift<L> shift_of(const BodyView& b, const ManifoldBlock& c, std::uint32_t k, Vec<L> n) {
+  const std::uint32_t* slot = c.body + 2 * k;
+  Shift<L> x;
+  F<L> dax, day, dbx, dby;
+  L::template gather<2>(b.disp, slot, dax, day);
+  L::template gather<2>(b.disp, slot + 1, dbx, dby);
+  L::template gather<2>(b.arm_change, slot, x.turn_a.x, x.turn_a.y);
+  L::template gather<2>(b.arm_change, slot + 1, x.turn_b.x, x.turn_b.y);
+  x.turn_a.x = x.turn_a.x + L::load(c.lead_a + k) * x.turn_a.y;
+  x.turn_b.x = x.turn_b.x + L::load(c.lead_b + k) * x.turn_b.y;
+  x.round_a = L::load(c.round_a + k), x.round_b = L::load(c.round_b + k);
+  x.moved = n.x * (dbx - dax) + n.y * (dby - day);
+  return x;
 }
 
 /// What the solve pass knows of some lanes.
 template <class L>
 struct SolveLanes {
-  TwoBodies<L> m, before;    // now and, with restitution, before the kick
-  Vec<L> n, turn_a, turn_b;  // normal and arm changes
-  F<L> wa, wb, ga, gb, round_a, round_b, soft, rate, e;
-  F<L> w;          // wa + wb
-  F<L> moved, vn;  // along n: displacement and velocity of B against A
+  TwoBodies<L> m, before;  // now and, with restitution, before the kick
+  Vec<L> n;
+  Shift<L> shift;
+  F<L> wa, wb, ga, gb, soft, rate, e;
+  F<L> w;   // wa + wb
+  F<L> vn;  // along n: velocity of B against A
   F<L> inv_h, push;
 };
 
@@ -102,24 +129,23 @@ PSIM_INLINE inline SolvePoint<L> solve_point(ManifoldBlock::Point& point, std::u
                                              const ContactParams& p) {
   const F<L> zero = 0;
   SolvePoint<L> x;
-  const auto an = L::load(point.an + k), bn = L::load(point.bn + k);
   x.at = L::load(point.at + k);
   x.bt = L::load(point.bt + k);
   x.l = L::load(point.impulse + k);
-  const auto turned_a = lanes.turn_a.x * (an - lanes.round_a) + lanes.turn_a.y * x.at;
-  const auto turned_b = lanes.turn_b.x * (bn + lanes.round_b) + lanes.turn_b.y * x.bt;
-  auto s = L::load(point.gap + k) + (lanes.moved + (turned_b - turned_a));
+  auto s = lanes.shift.separation(point, k);
   if constexpr (kBounce) s = select(negative(lanes.e), F<L>(kFarApart), s);
   x.apart = zero < s;
   auto bias = select(x.apart, s * lanes.inv_h, max(s * lanes.rate, lanes.push));
   auto compliance = select(x.apart, zero, lanes.soft);
   if constexpr (kBounce) {
-    F<L> target;
-    const auto hit = manifold_bounces<L>(lanes.before, lanes.n.x, lanes.n.y, x.at, x.bt, s, lanes.e, p, target);
-    bias = select(hit, min(target, bias), bias);
-    compliance = select(hit, zero, compliance);
+    const auto vn0 = parting_speed<L>(lanes.before, lanes.n.x, lanes.n.y, x.at, x.bt);
+    const auto impacts = impacts_of<L>(lanes.e, vn0, s, p);
+    bias = select(impacts.now, min(impacts.target, bias), bias);
+    compliance = select(impacts.now, zero, compliance);
+    if constexpr (!kInner) L::store(point.start + k, start_of<L>(x.l, impacts.may));
+  } else if constexpr (!kInner) {
+    L::store(point.start + k, x.l);
   }
-  if constexpr (!kInner) L::store(point.start + k, x.l);
   x.k = lanes.w + (lanes.ga * (x.at * x.at) + lanes.gb * (x.bt * x.bt));
   x.a = x.k + compliance * x.k;
   x.q = lanes.vn + (lanes.m.ub * x.bt - lanes.m.ua * x.at) + bias;
@@ -139,21 +165,13 @@ void solve_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactPara
       lanes.inv_h = inv_h, lanes.push = push;
       auto& m = lanes.m;
       m = gather_motion<L>(b.vel, b.rim_speed, slot);
-      F<L> dax, day, dbx, dby;
-      L::template gather<2>(b.disp, slot, dax, day);
-      L::template gather<2>(b.disp, slot + 1, dbx, dby);
-      L::template gather<2>(b.arm_change, slot, lanes.turn_a.x, lanes.turn_a.y);
-      L::template gather<2>(b.arm_change, slot + 1, lanes.turn_b.x, lanes.turn_b.y);
       lanes.n = load_vec<L>(c->nx, c->ny, k);
+      lanes.shift = shift_of<L>(b, *c, k, lanes.n);
       lanes.wa = L::load(c->wa + k), lanes.wb = L::load(c->wb + k);
       lanes.ga = L::load(c->ga + k), lanes.gb = L::load(c->gb + k);
-      lanes.round_a = L::load(c->round_a + k), lanes.round_b = L::load(c->round_b + k);
       lanes.soft = L::load(c->soft + k), lanes.rate = L::load(c->rate + k);
-      lanes.turn_a.x = lanes.turn_a.x + L::load(c->lead_a + k) * lanes.turn_a.y;
-      lanes.turn_b.x = lanes.turn_b.x + L::load(c->lead_b + k) * lanes.turn_b.y;
       const auto nx = lanes.n.x, ny = lanes.n.y, wa = lanes.wa, wb = lanes.wb, ga = lanes.ga, gb = lanes.gb;
       lanes.w = wa + wb;
-      lanes.moved = nx * (dbx - dax) + ny * (dby - day);
       lanes.vn = nx * (m.vbx - m.vax) + ny * (m.vby - m.vay);
       if constexpr (kBounce) {
         lanes.before = gather_motion<L>(b.vel0, b.rim_speed0, slot);
@@ -203,7 +221,7 @@ PSIM_INLINE inline bool lies_open(const ManifoldBlock& c, std::uint32_t k, F<L> 
   const auto& p1 = c.point[0];
   const auto& p2 = c.point[1];
   auto left = (l1 != zero) | (l2 != zero) | ((L::load(p1.friction + k) != zero) | (L::load(p2.friction + k) != zero));
-  if constexpr (!kFixedA) left = left | ((zero < L::load(p1.start + k)) | (zero < L::load(p2.start + k)));
+  if constexpr (!kFixedA) left = left | ((L::load(p1.start + k) != zero) | (L::load(p2.start + k) != zero));
   return all(negative(l1) & negative(l2)) && !any(left);
 }
 
@@ -284,7 +302,7 @@ PSIM_INLINE inline void owe_shares(const BodyView& b, const ManifoldBlock& c, st
   const F<L> zero = 0, one = 1;
   if (!any((x.share_a < one) | (x.share_b < one))) return;
   const auto lasts = [&](const ManifoldBlock::Point& point, F<L> n, M<L> was) {
-    const auto start = max(L::load(point.start + k), zero);
+    const auto start = kBounce ? abs(L::load(point.start + k)) : max(L::load(point.start + k), zero);
     const auto kept = kBounce ? select(was, min(n, start), n) : n;
     return max(kept, zero) - start;
   };
@@ -300,15 +318,15 @@ PSIM_INLINE inline void owe_shares(const BodyView& b, const ManifoldBlock& c, st
 /// Does for a point what part_impact of contact_row.h does for a contact.
 template <class L>
 PSIM_INLINE inline void settle_impact(ManifoldBlock::Point& point, std::uint32_t k, F<L> n, M<L> was) {
-  const auto lasts = min(n, max(L::load(point.start + k), 0));
+  const auto lasts = min(n, abs(L::load(point.start + k)));
   L::store(point.start + k, keep(was, n - lasts));
   L::store(point.impulse + k, select(was, lasts, n));
 }
 
 /// As relax_manifolds(). kSurfaces: some contacts have surfaces.
 template <class L, bool kFixedA, bool kBounce, bool kInner, bool kSurfaces>
-PSIM_INLINE inline void relax_all(const BodyView& b, ManifoldBlock* blocks, SurfaceBlock* surfaces,
-                                  const ContactParams& p, std::uint32_t begin, std::uint32_t end) {
+PSIM_INLINE inline void relax_all(const BodyView& b, ManifoldBlock* blocks, SurfaceBlock* surfaces, std::uint32_t begin,
+                                  std::uint32_t end) {
   const F<L> zero = 0;
   for (ManifoldBlock* c = blocks + begin; c != blocks + end; ++c) {
     for (std::uint32_t k = 0; k < kBlock; k += L::width) {
@@ -343,12 +361,11 @@ PSIM_INLINE inline void relax_all(const BodyView& b, ManifoldBlock* blocks, Surf
       auto vn2 = vn + (m.ub * x.bt2 - m.ua * x.at2);
       if constexpr (kBounce) {
         const auto before = gather_motion<L>(b.vel0, b.rim_speed0, slot);
-        const F<L> e = L::load(c->e + k), closed = -1e30f;
-        F<L> target;
-        x.was1 = manifold_bounces<L>(before, x.n.x, x.n.y, x.at1, x.bt1, closed, e, p, target) & (zero < l1);
-        vn1 = vn1 + select(x.was1, target, zero);
-        x.was2 = manifold_bounces<L>(before, x.n.x, x.n.y, x.at2, x.bt2, closed, e, p, target) & (zero < l2);
-        vn2 = vn2 + select(x.was2, target, zero);
+        const F<L> e = L::load(c->e + k);
+        x.was1 = struck<L>(L::load(p1.start + k), l1);
+        vn1 = vn1 + keep(x.was1, e * parting_speed<L>(before, x.n.x, x.n.y, x.at1, x.bt1));
+        x.was2 = struck<L>(L::load(p2.start + k), l2);
+        vn2 = vn2 + keep(x.was2, e * parting_speed<L>(before, x.n.x, x.n.y, x.at2, x.bt2));
       }
       relax_normals<L, kFixedA>(x, m, vn1, vn2);
       L::store(p1.impulse + k, x.n1);
@@ -367,24 +384,33 @@ PSIM_INLINE inline void relax_all(const BodyView& b, ManifoldBlock* blocks, Surf
 
 /// kInner: not the last sweep of the pass over these contacts. `surfaces`: null where no contact has any.
 template <class L, bool kFixedA, bool kBounce, bool kInner>
-void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, SurfaceBlock* surfaces, const ContactParams& p,
+void relax_manifolds(const BodyView& b, ManifoldBlock* blocks, SurfaceBlock* surfaces, const ContactParams&,
                      std::uint32_t begin, std::uint32_t end) {
-  if (surfaces == nullptr) return relax_all<L, kFixedA, kBounce, kInner, false>(b, blocks, surfaces, p, begin, end);
-  relax_all<L, kFixedA, kBounce, kInner, true>(b, blocks, surfaces, p, begin, end);
+  if (surfaces == nullptr) return relax_all<L, kFixedA, kBounce, kInner, false>(b, blocks, surfaces, begin, end);
+  relax_all<L, kFixedA, kBounce, kInner, true>(b, blocks, surfaces, begin, end);
 }
 
 /// As spend_contacts: moves what impacts added into the velocities before the kick, so that the next
 /// substep does not repeat it.
 template <class L, bool kFixedA>
-void spend_manifolds(const BodyView& b, ManifoldBlock* blocks, std::uint32_t begin, std::uint32_t end) {
+void spend_manifolds(const BodyView& b, ManifoldBlock* blocks, const ContactParams& p, std::uint32_t begin,
+                     std::uint32_t end) {
   const F<L> zero = 0;
   for (ManifoldBlock* c = blocks + begin; c != blocks + end; ++c) {
     for (std::uint32_t k = 0; k < kBlock; k += L::width) {
       auto& p1 = c->point[0];
       auto& p2 = c->point[1];
       const auto s1 = L::load(p1.start + k), s2 = L::load(p2.start + k);
-      const auto hit1 = zero < s1, hit2 = zero < s2;
-      if (!any(hit1 | hit2)) continue;
+      if (!any((zero < s1) | (zero < s2))) continue;
+      const std::uint32_t* slot = c->body + 2 * k;
+      const Vec<L> n = load_vec<L>(c->nx, c->ny, k);
+      const auto now = gather_motion<L>(b.vel, b.rim_speed, slot);
+      const auto shift = shift_of<L>(b, *c, k, n);
+      const auto parts = [&](ManifoldBlock::Point& point, F<L> spent) {
+        const auto vn = parting_speed<L>(now, n.x, n.y, L::load(point.at + k), L::load(point.bt + k));
+        return parted<L>(point.impulse + k, p, spent, vn, shift.separation(point, k));
+      };
+      const auto hit1 = parts(p1, s1), hit2 = parts(p2, s2);
       const auto mu = L::load(c->mu + k);
       const auto beyond = [&](ManifoldBlock::Point& point, M<L> hit) {
         const auto t = L::load(point.friction + k);
@@ -395,14 +421,12 @@ void spend_manifolds(const BodyView& b, ManifoldBlock* blocks, std::uint32_t beg
       };
       const auto d1 = keep(hit1, s1), d2 = keep(hit2, s2);
       const auto t1 = beyond(p1, hit1), t2 = beyond(p2, hit2);
-      const auto nx = L::load(c->nx + k), ny = L::load(c->ny + k);
       const auto l = d1 + d2, t = t1 + t2;
       const auto turn = [&](const float* n1, const float* a1, const float* n2, const float* a2) {
         return d1 * L::load(a1 + k) + t1 * L::load(n1 + k) + (d2 * L::load(a2 + k) + t2 * L::load(n2 + k));
       };
-      const std::uint32_t* slot = c->body + 2 * k;
       auto m = gather_motion<L>(b.vel0, b.rim_speed0, slot);
-      apply_impulse<L, kFixedA>(m, l * nx - t * ny, l * ny + t * nx, turn(p1.an, p1.at, p2.an, p2.at),
+      apply_impulse<L, kFixedA>(m, l * n.x - t * n.y, l * n.y + t * n.x, turn(p1.an, p1.at, p2.an, p2.at),
                                 turn(p1.bn, p1.bt, p2.bn, p2.bt), L::load(c->wa + k), L::load(c->wb + k),
                                 L::load(c->ga + k), L::load(c->gb + k));
       scatter_motion<L, kFixedA>(b.vel0, b.rim_speed0, slot, m);

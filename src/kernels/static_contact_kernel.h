@@ -53,12 +53,11 @@ PSIM_COLD void refresh_static(const StaticContactView& c, std::size_t k, M<L> st
 }
 
 template <class L>
-PSIM_INLINE inline M<L> bouncing_static(const BodyView& b, const StaticContactView& c, const ContactParams& p,
-                                        std::size_t k, F<L> nx, F<L> ny, F<L> s, F<L>& target) {
+PSIM_INLINE inline F<L> approach_before(const BodyView& b, const StaticContactView& c, std::size_t k, F<L> nx,
+                                        F<L> ny) {
   F<L> x, y;
   L::template gather<1>(b.vel0, c.body + k, x, y);
-  const auto vn0 = nx * x + ny * y;
-  return row_bounces<L>(c, p, k, vn0, s, target);
+  return nx * x + ny * y;
 }
 
 template <class L, Model kModel, Bounce kBounce>
@@ -83,11 +82,10 @@ void solve_statics(const BodyView& b, const StaticContactView& c, const ContactP
     const auto vn = nx * vx + ny * vy;
     typename L::Signs settled{};
     if constexpr (kBounce != Bounce::none) {
-      F<L> target;
-      const auto hit = bouncing_static<L>(b, c, p, k, nx, ny, s, target);
-      aim_at_bounce<L>(aim, hit, target);
+      const auto impacts = impacts_of<L>(L::load(c.e + k), approach_before<L>(b, c, k, nx, ny), s, p);
+      aim_at_bounce<L>(aim, impacts);
       settled = negative(L::load(c.impact + k));
-      if constexpr (kBounce == Bounce::edge) L::store(c.start + k, l);
+      if constexpr (kBounce == Bounce::edge) L::store(c.start + k, start_of<L>(l, impacts.may));
     }
     const auto m = kModel == Model::plain ? one : L::load(c.mass + k);
     const auto dl = m * (aim.mass * vn + aim.bias) + aim.impulse * l;
@@ -113,7 +111,7 @@ void solve_statics(const BodyView& b, const StaticContactView& c, const ContactP
 }
 
 template <class L, Model kModel, Bounce kBounce>
-void relax_statics(const BodyView& b, const StaticContactView& c, const ContactParams& p, std::uint32_t begin,
+void relax_statics(const BodyView& b, const StaticContactView& c, const ContactParams&, std::uint32_t begin,
                    std::uint32_t end) {
   const F<L> zero = 0, one = 1;
   for (std::size_t k = static_cast<std::size_t>(begin) * kBlock; k < static_cast<std::size_t>(end) * kBlock;
@@ -126,10 +124,8 @@ void relax_statics(const BodyView& b, const StaticContactView& c, const ContactP
     auto vn = nx * vx + ny * vy;
     M<L> was{};
     if constexpr (kBounce != Bounce::none) {
-      F<L> target;
-      const auto hit = bouncing_static<L>(b, c, p, k, nx, ny, -1e30f, target);
-      was = hit & (zero < l);
-      vn = vn + select(was, target, zero);
+      was = struck<L>(L::load(c.start + k), l);
+      if (any(was)) vn = vn + keep(was, L::load(c.e + k) * approach_before<L>(b, c, k, nx, ny));
     }
     const auto m = kModel == Model::plain ? one : L::load(c.mass + k);
     const auto next = select(negative(l), l, max(l - m * vn, zero));
@@ -159,14 +155,19 @@ void relax_statics(const BodyView& b, const StaticContactView& c, const ContactP
 
 /// Does what spend_contacts does, for fixed geometry.
 template <class L, Model kModel>
-void spend_statics(const BodyView& b, const StaticContactView& c, const ContactParams&, std::uint32_t begin,
+void spend_statics(const BodyView& b, const StaticContactView& c, const ContactParams& p, std::uint32_t begin,
                    std::uint32_t end) {
   for (std::size_t k = static_cast<std::size_t>(begin) * kBlock; k < static_cast<std::size_t>(end) * kBlock;
        k += L::width) {
     const auto spent = L::load(c.start + k);
-    const auto hit = 0 < spent;
-    if (!any(hit)) continue;
+    if (!any(0 < spent)) continue;
     const std::uint32_t* slot = c.body + k;
+    F<L> wx, wy;
+    L::template gather<1>(b.vel, slot, wx, wy);
+    F<L> dx, dy;
+    L::template gather<1>(b.disp, slot, dx, dy);
+    const auto nx = L::load(c.nx + k), ny = L::load(c.ny + k);
+    const auto hit = parted<L>(c.impulse + k, p, spent, nx * wx + ny * wy, L::load(c.gap + k) + (nx * dx + ny * dy));
     F<L> rest{};
     auto [px, py] = spent_impulse<L, kModel>(c, k, spent, hit, rest);
     if constexpr (kModel == Model::rough) {

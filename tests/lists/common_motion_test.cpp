@@ -252,7 +252,10 @@ void expect_overlaps_are_listed(World& world, double deeper) {
 std::unique_ptr<World> falling(Isa isa = best_isa(), int threads = 1) {
   WorldDesc desc = walled({-100, -3000, 100, 1000}, {0, -kG});
   auto world = make(desc, isa, threads);
-  add(*world, lattice(5000, {-35, 0, 35, 77}, 0.5, 0.01, Material{}));
+  for (int k = 0; k < 5000; ++k) {  // in triangles
+    const int column = k % 70, row = k / 70;
+    add(*world, disc({1.01 * column + 0.505 * (row % 2) - 35, 0.88 * row}));
+  }
   return world;
 }
 

@@ -267,6 +267,51 @@ TEST(ManifoldOracle, RelaxStopsClosedPointsAndRubsWithinTheCone) {
   EXPECT_GT(slid, 200);
 }
 
+// What an impact added goes into the velocities before the kick. Where a point overlaps deeply and the bodies still
+// approach there, it stays in the impulse.
+TEST(ManifoldOracle, SpendMovesImpactsIntoV0UnlessTheyCarry) {
+  int spent = 0, carried = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    for (const bool fixed_a : {false, true}) {
+      Taste taste;
+      taste.fixed_a = fixed_a;
+      taste.bounce = true;
+      const Scene before = make_scene(seed, 1, taste);
+      Scene after = before;
+      ContactParams p = contact_params();
+      p.refresh = 0.001f;
+      kPasses[3].run(kernels_of(Isa::scalar), after, taste, p);
+      for (std::uint32_t l = 0; l < kBlock; ++l) {
+        const LaneOf x(before, 0, l), y(after, 0, l);
+        if (x.b >= 64) continue;
+        const Motion now(x, before.bodies.vel, before.bodies.rim_speed);
+        Motion wanted(x, before.bodies.vel0, before.bodies.rim_speed0);
+        const double mu = x.c.mu[l];
+        for (int k = 0; k < 2; ++k) {
+          const auto& point = x.c.point[k];
+          const double start = point.start[l], impulse = point.impulse[l], friction = point.friction[l];
+          const bool struck = start > 0, parts = now.normal(x, k) > 0 || separation(x, k) > -double{p.refresh};
+          const double cap = mu * std::fmax(impulse, 0.0);
+          const double held = struck && parts ? std::clamp(friction, -cap, cap) : friction;
+          if (struck && parts) wanted.push(x, k, start, friction - held, 1, 1);
+          (parts ? spent : carried) += struck;
+          ASSERT_NEAR(y.c.point[k].impulse[l], struck && !parts ? impulse + start : impulse, 1e-6) << seed;
+          ASSERT_NEAR(y.c.point[k].friction[l], held, 1e-6) << seed;
+        }
+        const Motion is(y, after.bodies.vel0, after.bodies.rim_speed0);
+        ASSERT_NEAR(is.vbx, wanted.vbx, 1e-5) << seed;
+        ASSERT_NEAR(is.vby, wanted.vby, 1e-5) << seed;
+        ASSERT_NEAR(is.ub, wanted.ub, 1e-5) << seed;
+        ASSERT_NEAR(is.vax, wanted.vax, 1e-5) << seed;
+        ASSERT_NEAR(is.vay, wanted.vay, 1e-5) << seed;
+        ASSERT_NEAR(is.ua, wanted.ua, 1e-5) << seed;
+      }
+    }
+  }
+  EXPECT_GT(spent, 20);
+  EXPECT_GT(carried, 20);
+}
+
 TEST(ManifoldOracle, SwingFollowsSineAndCosine) {
   Random random(2);
   for (int round = 0; round < 50; ++round) {

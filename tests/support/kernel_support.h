@@ -234,7 +234,7 @@ struct Contacts {
     const float es[] = {uniform(random, 0, 1), 1, uniform(random, 0, 1)};
     e.push_back(es[random.below(3)]);
     impact.push_back(random.chance(0.1) ? 1.0f : random.chance(0.5) ? 0.0f : -0.0f);
-    start.push_back(random.chance(0.5) ? 0 : uniform(random, 0, 1));
+    start.push_back((random.chance(0.5) ? 1.0f : -1.0f) * (random.chance(0.5) ? 0 : uniform(random, 0, 1)));
     const float flat = std::numeric_limits<float>::infinity();
     refresh.push_back(random.chance(0.5) ? flat : 0.01f);
   }

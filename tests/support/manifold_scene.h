@@ -108,7 +108,7 @@ inline Scene make_scene(std::uint64_t seed, std::size_t blocks, const Taste& tas
                        : random.chance(0.2)      ? -0.0f
                                                  : uniform(random, 0, 0.3);
         p.friction[l] = random.chance(taste.zero) ? signed_zero(random) : uniform(random, -0.1, 0.1);
-        p.start[l] = random.chance(0.5) ? 0 : uniform(random, 0, 0.2);
+        p.start[l] = (random.chance(0.5) ? 1.0f : -1.0f) * (random.chance(0.5) ? 0 : uniform(random, 0, 0.2));
       }
       c.wa[l] = pad ? 1 : taste.fixed_a ? 0 : uniform(random, 0.1, 2);
       c.wb[l] = pad ? 1 : uniform(random, 0.1, 2);
@@ -163,8 +163,8 @@ inline const Pass kPasses[] = {
                                                        static_cast<std::uint32_t>(s.blocks.size()));
      }},
     {"spend",
-     [](const KernelTable& k, Scene& s, const Taste& t, const ContactParams&) {
-       k.spend_manifolds[t.fixed_a](s.view(), s.blocks.data(), 0, static_cast<std::uint32_t>(s.blocks.size()));
+     [](const KernelTable& k, Scene& s, const Taste& t, const ContactParams& p) {
+       k.spend_manifolds[t.fixed_a](s.view(), s.blocks.data(), p, 0, static_cast<std::uint32_t>(s.blocks.size()));
      }},
     {"angle_change", [](const KernelTable& k, Scene& s, const Taste&,
                         const ContactParams& p) { k.turn_bodies(s.view(), s.radius.data(), turning(p), 0, 9); }},

@@ -39,6 +39,8 @@ class CommonMotion {
   /// Finds ways and velocities, for lists that know the bodies at `places` (records). `beside`: how far bodies may go
   /// towards what is fixed, m. False if they go too far for these lists. O(bodies).
   bool update(const std::int32_t* places, const Fixed& fixed, double beside);
+  /// Sets `beside` alone. O(regions).
+  void find_room(const Fixed& fixed, double beside);
 
   /// How much of its margin a body uses within `time` seconds more, m, if lists know it at `place`.
   float use(std::uint32_t slot, const std::int32_t* place, float time) const;
@@ -86,7 +88,6 @@ class CommonMotion {
   void find_means(const std::int32_t* places);
   void spread();
   void compare();
-  void find_room(const Fixed& fixed, double beside);
   bool serve() const;
 
   const Surroundings s_;

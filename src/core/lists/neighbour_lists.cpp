@@ -22,11 +22,13 @@ constexpr double kAtRest = 0.02, kFewMoving = 1.0 / 32, kRoomFrames = 8;
 constexpr double kLeastFrames = 2;
 // Lists that last by what discs have in common (common_motion.h) are made for so many bodies, since fewer do not cost
 // much and settle a little better with fresh lists; where bodies cover so much of the area around them; and where all but
-// kFewMoving use up kMostSkin usual skins in no less than kCommonFrames. The skin is what these use up in kSkinFrames, but
+// kFewMoving use up kMostSkin usual skins in no less than kCommonFrames. Whether that is so is looked at in each kTryStep-th
+// step until it is. The skin is what these use up in kSkinFrames, but
 // not less than the usual one; towards what is fixed, bodies get kBesideFrames of their motion. Edges of regions are in
 // typical radii. docs/decisions/031-common-motion.md
 constexpr std::uint32_t kManyBodies = 4096;
-constexpr double kCrowd = 0.7, kMostSkin = 3, kCommonFrames = 1.3, kSkinFrames = 6, kBesideFrames = 12, kRegion = 16;
+constexpr double kCrowd = 0.8, kMostSkin = 3, kCommonFrames = 1.3, kSkinFrames = 6, kBesideFrames = 12, kRegion = 16;
+constexpr std::uint64_t kTryStep = 8;
 // A body is far faster than the others if it is so many times as fast as all but kFewMoving of them, and goes so many
 // typical radii in a frame. A gas has hardly any of these.
 constexpr double kFarFaster = 3, kFarRadii = 4;
@@ -173,13 +175,16 @@ void plan_flight(const NeighbourLists& lists, const ListSettings& world, const S
 }
 
 // The plan for discs that move fast, but hardly against those beside them: lists last as they do where bodies are at rest.
-// False if they would not last.
-bool plan_common(NeighbourLists& lists, const ListSettings& world, double r, double dt, BroadPhaseParams& p) {
+// False if they would not last. `before`: the last lists were such.
+bool plan_common(NeighbourLists& lists, const ListSettings& world, bool before, double r, double dt,
+                 BroadPhaseParams& p) {
+  if (!before && world.step % kTryStep != 0) return false;
   const BodyStore& b = lists.surroundings.bodies;
   const double covered = 3.14159 * r * r * lists.broad.cells().density();
-  if (world.shapes || world.restitution || b.count < kManyBodies || covered < kCrowd) return false;
+  if (world.shapes || b.count < kManyBodies || covered < kCrowd) return false;
   const double edge = kRegion * r, usual = static_cast<double>(p.margin.skin), most = kMostSkin * usual;
-  const auto widest = static_cast<double>(*std::max_element(b.radius.data(), b.radius.data() + b.count));
+  const float* radius = b.radius.data();
+  const auto widest = static_cast<double>(world.mixed_radii ? *std::max_element(radius, radius + b.count) : *radius);
   CommonMotion& common = lists.broad.common();
   if (4 * (widest + most) > edge || !common.cut(edge)) return false;
   const CommonMotion::Fixed fixed = lists.fixed_of(*world.desc);
@@ -197,11 +202,11 @@ bool plan_common(NeighbourLists& lists, const ListSettings& world, double r, dou
   p.margin.of_radius *= static_cast<float>(skin / usual);
   p.margin.beside = static_cast<float>(lesser(kBesideFrames * dt * speed, edge / 4));
   p.outer += 2 * (skin - usual);
-  common.update(b.pos.data(), fixed, static_cast<double>(p.margin.beside));
+  common.find_room(fixed, static_cast<double>(p.margin.beside));
   return true;
 }
 
-ListPlan plan_lists(NeighbourLists& lists, const ListSettings& world, double dt) {
+ListPlan plan_lists(NeighbourLists& lists, const ListSettings& world, bool common, double dt) {
   const WorldDesc& desc = *world.desc;
   const BodyStore& bodies = lists.surroundings.bodies;
   const Sample s = sample_bodies(bodies, static_cast<double>(world.least_radius), world.mixed_radii, dt);
@@ -230,7 +235,7 @@ ListPlan plan_lists(NeighbourLists& lists, const ListSettings& world, double dt)
     return kLeastFrames * dt * quantile(bodies, 1 - kFewMoving, speed_of) > kSkinOfRadius * r;
   };
   if (std::isfinite(speed) && (kMarginFrames * dt * speed > kSkinOfRadius * r || soon_used_up())) {
-    if (!plan_common(lists, world, r, dt, out.broad)) plan_flight(lists, world, s, dt, out);
+    if (!plan_common(lists, world, common, r, dt, out.broad)) plan_flight(lists, world, s, dt, out);
   } else if (bodies.count >= BroadPhase::kSmallWorld &&
              share_above(bodies, kAtRest * kSkinOfRadius * r / (kMarginFrames * dt)) <= kFewMoving) {
     // What is fast among many at rest gets room for several frames, which costs the others little.
@@ -249,8 +254,9 @@ CommonMotion::Fixed NeighbourLists::fixed_of(const WorldDesc& desc) const {
 
 void NeighbourLists::measure(const ListSettings& world, double dt) {
   const WorldDesc& desc = *world.desc;
+  const bool common = broad.common().on();
   broad.common().stop();
-  ListPlan plan = plan_lists(*this, world, dt);
+  ListPlan plan = plan_lists(*this, world, common, dt);
   const bool selected = plan.mode != ListMode::persistent;
   const double reach = plan.broad.outer + (selected ? 0 : 2 * kMarginFrames * dt * plan.made.speed);
   const double growth = made.reach > 0 ? reach * reach / (made.reach * made.reach) : 1;

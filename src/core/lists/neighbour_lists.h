@@ -37,6 +37,7 @@ struct ListSettings {
   bool link_all = false;    ///< every body takes substeps (fields)
   bool governed = false;    ///< a governor counts how many bodies each is looked at with
   bool makes_room = false;  ///< more candidates than in the last lists are to be expected
+  std::uint64_t step = 0;   ///< number of this step
 };
 
 /// How the present lists were made.

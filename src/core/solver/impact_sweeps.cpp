@@ -113,7 +113,9 @@ void Solver::Run::impacts() {
 
 void Solver::Run::spend() {
   const auto spend_blocks = [&](bool fixed, ManifoldBlock* blocks, SurfaceBlock*, std::uint32_t begin,
-                                std::uint32_t end) { s_.kernels.spend_manifolds[fixed](view_, blocks, begin, end); };
+                                std::uint32_t end) {
+    s_.kernels.spend_manifolds[fixed](view_, blocks, discs_.pair, begin, end);
+  };
   once(discs_.pair, s_.kernels.spend, s_.kernels.spend_static, spend_blocks);
 }
 

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <numeric>
 
+#include "bodies/body_store.h"
 #include "state/describe.h"
 
 namespace psim {
 
-void SavedContacts::gather(const PairTable& table, const ContactStore& contacts, bool any, bool named, bool gaps) {
+void SavedContacts::gather(const PairTable& table, const ContactStore& contacts, bool any, bool named, bool gaps,
+                           const std::uint32_t* ids) {
   *this = {};
   strip_pairs_.resize(table.strips.size());
   strip_statics_.resize(table.strips.size());
@@ -19,27 +21,31 @@ void SavedContacts::gather(const PairTable& table, const ContactStore& contacts,
       if (rough || !is_friction(k)) carried_[k].push_back(column(contacts, k)[lane]);
     }
   };
+  const auto dead = [&](std::uint32_t slot) { return named && ids != nullptr && ids[slot] == kNoSlot; };
   for (std::size_t k = 0; k < table.strips.size(); ++k) {
     const Strip& strip = table.strips[k];
     const std::uint32_t end = named ? std::min(strip.pair_end, table.renewed_begin) : strip.pair_end;
-    for (std::uint32_t p = strip.pair_begin; p < end; ++p) take(kImpulse, kStatic, table.contact[p]);
+    for (std::uint32_t p = strip.pair_begin; p < end; ++p) {
+      const std::uint32_t owner = table.owner[p], other = table.other[p];
+      if (dead(owner) || dead(other)) continue;
+      take(kImpulse, kStatic, table.contact[p]);
+      ++strip_pairs_[k];
+      if (!named) continue;
+      other_.push_back(other);
+      ++owned_[owner];
+    }
     for (const StaticPair& pair : table.static_contacts[k]) {
+      if (dead(pair.body)) continue;
       take(kStatic, gaps ? kColumns : kGap, pair.contact);
+      ++strip_statics_[k];
       if (!named) continue;
       s_body_.push_back(pair.body);
       s_shape_.push_back(pair.shape);
     }
-    strip_pairs_[k] = end - strip.pair_begin;
-    strip_statics_[k] = static_cast<std::uint32_t>(table.static_contacts[k].size());
-    if (!named) continue;
-    other_.insert(other_.end(), table.other.data() + strip.pair_begin, table.other.data() + end);
-    for (std::uint32_t i = strip.body_begin; i < strip.body_end; ++i) {
-      owned_[i] = table.pairs_of_end(i) - table.pairs_of_begin(i);
-    }
   }
   if (!named || table.strips.empty()) return;
   for (std::uint32_t p = table.renewed_begin; p < table.strips.back().pair_end; ++p) {
-    renewed_.push_back(contacts.impulse_of(table, p));
+    if (!dead(table.owner[p]) && !dead(table.other[p])) renewed_.push_back(contacts.impulse_of(table, p));
   }
 }
 

@@ -14,8 +14,10 @@ namespace psim {
 
 class SavedContacts {
  public:
-  /// Takes them out of a world, if there are any. `named`: with their names; `gaps`: with those to fixed shapes.
-  void gather(const PairTable& table, const ContactStore& contacts, bool any, bool named, bool gaps);
+  /// Takes them out of a world, if there are any. `named`: with their names, and without those of dead slots if `ids`,
+  /// by slot, is given; `gaps`: with those to fixed shapes.
+  void gather(const PairTable& table, const ContactStore& contacts, bool any, bool named, bool gaps,
+              const std::uint32_t* ids);
 
   void describe(class Archive& a, const PairTable& table, const StaticShapes& statics, bool named);
   bool empty() const { return empty(kImpulse) && renewed_.empty() && empty(kStatic); }

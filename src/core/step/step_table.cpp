@@ -16,7 +16,8 @@ ListSettings list_settings(StepContext& c, const Span& span) {
           .shapes = c.plan.manifolds,
           .link_all = c.plan.fields,
           .governed = c.governor.on(),
-          .makes_room = c.detailed || c.governor.on() || span.step > span.frame};
+          .makes_room = c.detailed || c.governor.on() || span.step > span.frame,
+          .step = c.ledger.steps};
 }
 
 // Kinematic and joined bodies are the solver's, whether or not the lists name them.

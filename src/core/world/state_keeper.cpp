@@ -65,7 +65,8 @@ class StateKeeper {
     last_ = !lists_.stale && lists_.mode != ListMode::one_step && w_.bodies.count != 0 && w_.bodies.dead == 0 &&
             table.body_count != 0;
     const bool any = lasting() || (w_.contacts.impulses_valid && table.body_count != 0);
-    carried_.gather(table, w_.contacts.discs, any, !lasting(), !w_.sleep.sleepers.empty());
+    carried_.gather(table, w_.contacts.discs, any, !lasting(), !w_.sleep.sleepers.empty(),
+                    moved ? nullptr : w_.bodies.id.data());
     if (w_.plan.manifolds) w_.contacts.manifolds.keep_impulses();
     Saver saver(std::move(out));
     values(saver, w_.desc);
