@@ -59,6 +59,20 @@ void ContactLanes::pad(ContactModel model, std::size_t lane, std::uint32_t dummy
   put(model, lane, 0, 0);
 }
 
+void ContactLanes::fill_all(ContactModel model, const MixingRules& rules, std::size_t begin, std::size_t end,
+                        const BodyProperties& both) {
+  if (begin == end) return;
+  fill(model, rules, begin, both, both);
+  const auto copy_if = [&](bool wanted, auto&... columns) {
+    if (wanted) (std::fill(columns.data() + begin + 1, columns.data() + end, columns[begin]), ...);
+  };
+  copy_if(model.bounce, e);
+  copy_if(model.massed(), mass, wb);
+  copy_if(model.massed() && sides == 2, wa);
+  copy_if(model.rough(), mu, tmass, qb);
+  copy_if(model.rough() && sides == 2, qa);
+}
+
 kernels::ContactView PairLanes::view() {
   auto v = common_view<kernels::ContactView>(*this);
   v.wa = wa.data();

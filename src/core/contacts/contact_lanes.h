@@ -47,6 +47,9 @@ struct ContactLanes {
     const float wt = w + a.rim_gain + b.rim_gain;
     tmass[lane] = wt > 0 ? 1 / wt : 0;
   }
+  /// The same for many lanes whose sides are all alike.
+  void fill_all(ContactModel model, const MixingRules& rules, std::size_t begin, std::size_t end,
+                const BodyProperties& both);
   void put(ContactModel model, std::size_t lane, float normal_impulse, float tangent_impulse) {
     impulse[lane] = normal_impulse > 0 ? normal_impulse : 0.0f;  // open contacts have an impulse of -0
     if (model.rough()) friction[lane] = tangent_impulse;

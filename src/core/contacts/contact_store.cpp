@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <bit>
 
+#include "compiler.h"
+
 namespace psim {
 namespace {
 
@@ -130,23 +132,41 @@ std::uint32_t ContactStore::colour_of_static(const Strip& s, const StaticPair& s
   return class_of_static(s, loaded, sequence);
 }
 
-// Lays out the pairs of a strip in order. Calls each(pair, lane) once all is set but the impulses.
+// Lays out the pairs of a strip in order. Calls each(pair, lane) once all is set but the impulses and the pair's `contact`.
 template <class Each>
 void ContactStore::lay_out_pairs(PairTable& table, std::size_t index, const Each& each) {
   const BodyStore& b = s_.bodies;
   const Strip& s = table.strips[index];
   const Class::Counts& counts = pairs.counts[index];
-  const auto side = [&](std::uint32_t slot) -> auto& { return alike_ != nullptr ? *alike_ : b.properties(b.id[slot]); };
   Layout lanes(counts, s.blocks.begin, s.loaded);
+  const bool material = model_.massed() || model_.bounce;
+  if (material && alike_ != nullptr) {
+    pairs.fill_all(model_, s_.mixing, std::size_t{kBlock} * s.blocks.begin, std::size_t{kBlock} * s.blocks.end, *alike_);
+  }
   lanes.each_empty(counts, [&](std::uint32_t lane) { pairs.pad(model_, lane, solved_.dummies_of(index)); });
+  const auto properties_of = [&](std::uint32_t slot) -> const BodyProperties& { return b.properties(b.id[slot]); };
   for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
     const std::uint32_t i = table.owner[p], j = table.other[p], at = lanes.take(colour_[p]);
-    table.contact[p] = at;
     pairs.body[2 * std::size_t{at}] = solved_.number(i);
     pairs.body[2 * std::size_t{at} + 1] = solved_.number(j);
     pairs.rsum[at] = b.radius[i] + b.radius[j];
-    if (model_.massed() || model_.bounce) pairs.fill(model_, s_.mixing, at, side(i), side(j));
+    if (material && alike_ == nullptr) pairs.fill(model_, s_.mixing, at, properties_of(i), properties_of(j));
     each(p, at);
+    table.contact[p] = at;
+  }
+}
+
+// The lanes of old pairs into `contact`, in a loop of its own: there they are looked for one after the other, and the
+// impulses are on their way when they are asked for.
+void ContactStore::find_lanes(PairTable& table, std::size_t index, const PairTable& old, const std::uint32_t* from) {
+  const Strip& s = table.strips[index];
+  const auto was = [&](std::uint32_t slot) { return from != nullptr ? from[slot] : slot; };
+  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
+    const std::uint32_t lane = find_pair(old, was(table.owner[p]), was(table.other[p]));
+    table.contact[p] = lane;
+    if (lane == ContactLanes::kNoLane) continue;
+    PSIM_PREFETCH(pairs.old_impulse.data() + lane);
+    if (model_.rough()) PSIM_PREFETCH(pairs.old_friction.data() + lane);
   }
 }
 
@@ -270,13 +290,13 @@ void ContactStore::lay_out(PairTable& table, const PairTable& old, const std::ui
   }
   const auto was = [&](std::uint32_t slot) { return from != nullptr ? from[slot] : slot; };
   s_.pool.run(end - begin, [&](std::size_t n) {
+    find_lanes(table, begin + n, old, from);
     lay_out_pairs(table, begin + n, [&](std::uint32_t p, std::uint32_t at) {
-      const std::uint32_t i = table.owner[p], j = table.other[p];
-      const std::uint32_t before = find_pair(old, was(i), was(j));
+      const std::uint32_t before = table.contact[p];
       pairs.carry(model_, at, before);
       if (before != ContactLanes::kNoLane || recent.empty()) return;
-      const std::uint32_t id = s_.bodies.id[i];
-      recall(recent.find(pair_key(id, s_.bodies.id[j])), id, pairs, at);
+      const std::uint32_t id = s_.bodies.id[table.owner[p]];
+      recall(recent.find(pair_key(id, s_.bodies.id[table.other[p]])), id, pairs, at);
     });
     lay_out_statics(table, recent, begin + n,
                     [&](const StaticPair& pair) { return find_static(old, was(pair.body), pair.shape); });

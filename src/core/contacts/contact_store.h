@@ -105,6 +105,7 @@ class ContactStore {
  private:
   void colour_strip(PairTable& table, std::size_t strip);
   void place_strips(PairTable& table);
+  void find_lanes(PairTable& table, std::size_t strip, const PairTable& old, const std::uint32_t* from);
   template <class Each>
   void lay_out_pairs(PairTable& table, std::size_t strip, const Each& each);
   template <class LaneBefore>

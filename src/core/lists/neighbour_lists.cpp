@@ -322,8 +322,8 @@ void NeighbourLists::select(const ListSettings& world, double dt, std::size_t be
     s.pair_begin = total;
     s.pair_end = total += n;
   }
-  table.owner.reserve_loosely(total);
-  table.other.reserve_loosely(total);
+  table.owner.reserve_loosely(total + kernels::kBlock);
+  table.other.reserve_loosely(total + kernels::kBlock);
   table.pair_room = total;
 }
 

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cstdint>
 #include <utility>
 #include <vector>
@@ -55,7 +56,7 @@ struct PairTable {
 
   Column<std::uint32_t> first;    ///< by slot: its first pair; the high bit marks the first body of a strip
   Column<std::uint32_t> owner;    ///< by pair: the slot that found it; ascending in a strip
-  Column<std::uint32_t> other;    ///< by pair: the partner's slot
+  Column<std::uint32_t> other;    ///< by pair: the partner's slot; has room for a few more, see find_of
   Column<std::uint32_t> contact;  ///< by pair: 8 block + lane
   std::vector<Strip> strips;      ///< the last is the group of large bodies
   std::vector<std::vector<StaticPair>> static_contacts;  ///< by strip, by body
@@ -73,7 +74,7 @@ struct PairTable {
   /// Makes room for `pairs` pairs, gaps included.
   void spare(std::size_t bodies, std::size_t pairs) {
     first.reserve(bodies + 1);
-    keep_if(true, pairs, owner, other, contact);
+    keep_if(true, pairs + kernels::kBlock, owner, other, contact);
   }
 
   /// Whether any(k) holds for a strip k whose contacts may share a body with those of `strip`: the strip itself, its
@@ -116,10 +117,18 @@ struct PairTable {
   }
   /// The same among the pairs of the last build.
   std::uint32_t find_listed(std::uint32_t a, std::uint32_t b) const {
-    for (const auto& [one, partner] : {std::pair{a, b}, std::pair{b, a}}) {
-      for (std::uint32_t p = pairs_of_begin(one), end = pairs_of_end(one); p < end; ++p) {
-        if (other[p] == partner) return p;
-      }
+    const std::uint32_t pair = find_of(a, b);
+    return pair != kNoPair ? pair : find_of(b, a);
+  }
+  /// The pair that `body` owns with `partner`. Four partners are compared at a time, past the end of a list, too: where a
+  /// short list has the partner is hard to predict.
+  std::uint32_t find_of(std::uint32_t body, std::uint32_t partner) const {
+    const std::uint32_t end = pairs_of_end(body);
+    for (std::uint32_t p = pairs_of_begin(body); p < end; p += 4) {
+      const std::uint32_t* list = other.data() + p;
+      const auto at = [&](std::uint32_t k) { return static_cast<std::uint32_t>(list[k] == partner) << k; };
+      const std::uint32_t found = (at(0) | at(1) | at(2) | at(3)) & ((1u << std::min(end - p, 4u)) - 1);
+      if (found != 0) return p + static_cast<std::uint32_t>(std::countr_zero(found));
     }
     return kNoPair;
   }
