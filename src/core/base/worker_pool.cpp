@@ -1,6 +1,7 @@
 #include "base/worker_pool.h"
 
 #include <algorithm>
+#include <chrono>
 #include <exception>
 
 namespace psim {
@@ -44,11 +45,13 @@ void WorkerPool::keep_workers(std::size_t kept) {
 
 WorkerPool::Awake::Awake(WorkerPool& pool) : pool_(pool) {
   if (++pool.awake_ > 1 || pool.threads_ == 1 || pool.host_.parallel_for) return;
+  bool any_asleep = false;
   {
     const std::lock_guard lock(pool.sleep_mutex_);
     pool.stepping_.store(true, std::memory_order_release);
+    any_asleep = pool.asleep_ != 0;
   }
-  pool.wake_.notify_all();
+  if (any_asleep) pool.wake_.notify_all();
 }
 
 WorkerPool::Awake::~Awake() {
@@ -135,13 +138,29 @@ std::size_t WorkerPool::work(std::size_t home, std::uint32_t ticket) noexcept {
   return finished;
 }
 
+// Where the next step follows at once, to fall asleep and to be woken would take longer than a small step.
+void WorkerPool::stay_up() const {
+  if (crowded_) return;
+  constexpr std::chrono::microseconds kLong{50};
+  const auto begin = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() - begin < kLong) {
+    for (int k = 0; k < 16; ++k) {
+      if (stepping_.load(std::memory_order_acquire)) return;
+      pause_briefly();
+    }
+  }
+}
+
 void WorkerPool::worker(std::size_t index) {
   const FloatSettings settings;
   std::uint32_t seen = 1;
   for (;;) {
+    if (!stepping_.load(std::memory_order_acquire)) stay_up();
     if (!stepping_.load(std::memory_order_acquire)) {
       std::unique_lock lock(sleep_mutex_);
+      ++asleep_;
       wake_.wait(lock, [this, index] { return index > kept_ || stepping_.load(std::memory_order_acquire); });
+      --asleep_;
       if (index > kept_) return;
     }
     int spins = 0;

@@ -3,8 +3,8 @@
 // thread ran it.
 //
 // Each thread starts on its own share of the numbers, so that a range meets the same cache again, then helps the
-// others. Between the runs of a step workers spin; between steps they sleep. A late worker never delays a run,
-// because run() waits for claimed jobs only.
+// others. Between the runs of a step workers spin; between steps they sleep, if the next one does not follow at once. A
+// late worker never delays a run, because run() waits for claimed jobs only.
 //
 // A job that throws does not keep the others from running. When all are done, run() throws what the first one threw.
 //
@@ -98,6 +98,7 @@ class WorkerPool {
   void worker(std::size_t index);
   void keep_workers(std::size_t kept);
   void wait_a_moment(int spins) const;
+  void stay_up() const;
 
   std::size_t threads_;  // the caller's among them; written before the first run
   Tracer* tracer_;
@@ -120,6 +121,7 @@ class WorkerPool {
   // Says when to spin and carries no data. It is set under the lock, so that no worker sleeps through it.
   std::atomic<bool> stepping_{false};
   std::size_t kept_ = SIZE_MAX;  // workers of a higher index end; under the lock
+  std::size_t asleep_ = 0;       // under the lock
   std::mutex sleep_mutex_;
   std::condition_variable wake_;
   std::vector<std::thread> workers_;
