@@ -54,6 +54,41 @@ TEST(WorkerPool, ARunThatHasReturnedLeavesNoJobBehind) {
   }
 }
 
+// A step of two jobs: that of the worker takes `late` longer than the caller's. Returns whether a worker took part.
+bool step_of_two(WorkerPool& pool, std::chrono::microseconds late) {
+  const Awake awake(pool);
+  std::atomic<bool> helped{false};
+  const auto caller = std::this_thread::get_id();
+  pool.run(2, [&](std::size_t) {
+    if (std::this_thread::get_id() == caller) {
+      wait_until([&, end = std::chrono::steady_clock::now() + 20ms] {
+        return helped || pool.active() == 1 || std::chrono::steady_clock::now() > end;
+      });
+    } else {
+      helped = true;
+      std::this_thread::sleep_for(late);
+    }
+  });
+  return helped;
+}
+
+TEST(WorkerPool, AStepThatAWorkerHeldUpIsFollowedByStepsOfFewerThreads) {
+  WorkerPool pool(2);
+  if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "two threads are more than there are cores";
+  for (int k = 0; k < 100 && pool.active() == 2; ++k) step_of_two(pool, 5ms);
+  EXPECT_EQ(pool.active(), 1);
+  int alone = 0;
+  for (; alone < 1000 && pool.active() == 1; ++alone) EXPECT_FALSE(step_of_two(pool, 0us));
+  EXPECT_GE(alone, 4);
+  ASSERT_EQ(pool.active(), 2);
+  // Held up again: for twice as long.
+  for (int k = 0; k < 100 && pool.active() == 2; ++k) step_of_two(pool, 5ms);
+  int longer = 0;
+  for (; longer < 1000 && pool.active() == 1; ++longer) EXPECT_FALSE(step_of_two(pool, 0us));
+  EXPECT_EQ(longer, 2 * alone);
+  EXPECT_EQ(wrong_jobs(pool, 100), 0u);
+}
+
 TEST(WorkerPool, AllThreadsTakePart) {
   for (const int threads : {2, 3, 8, kMostThreads}) {
     WorkerPool pool(threads);

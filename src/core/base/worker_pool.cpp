@@ -7,6 +7,11 @@
 namespace psim {
 namespace {
 
+using Clock = std::chrono::steady_clock;
+
+constexpr int kLongWait = 64;                    // spins; what takes longer is measured
+constexpr std::chrono::microseconds kStall{100};  // shorter waits are no reason to do without workers
+
 constexpr std::uint64_t pack(std::uint32_t ticket, std::uint32_t number) {
   return static_cast<std::uint64_t>(ticket) << 32 | number;
 }
@@ -16,6 +21,8 @@ constexpr std::uint64_t pack(std::uint32_t ticket, std::uint32_t number) {
 WorkerPool::WorkerPool(int threads, Tracer* tracer)
     : threads_(kHasThreads ? static_cast<std::size_t>(threads) : 1),
       tracer_(tracer),
+      crowded_(threads_ > std::thread::hardware_concurrency()),
+      active_(threads_),
       shares_(std::make_unique<Share[]>(threads_)) {
   workers_.reserve(threads_);
   try {
@@ -24,9 +31,8 @@ WorkerPool::WorkerPool(int threads, Tracer* tracer)
     }
   } catch (const std::exception&) {  // std::system_error, or no memory for what a thread needs
     keep_workers(workers_.size() / 2);
-    threads_ = workers_.size() + 1;
+    active_ = threads_ = workers_.size() + 1;
   }
-  crowded_ = threads_ > std::thread::hardware_concurrency();
 }
 
 WorkerPool::~WorkerPool() { keep_workers(0); }
@@ -45,17 +51,38 @@ void WorkerPool::keep_workers(std::size_t kept) {
 
 WorkerPool::Awake::Awake(WorkerPool& pool) : pool_(pool) {
   if (++pool.awake_ > 1 || pool.threads_ == 1 || pool.host_.parallel_for) return;
+  begin_ = Clock::now();
+  pool.waited_ = {};
+  if (pool.active_ == 1) return;
   bool any_asleep = false;
   {
     const std::lock_guard lock(pool.sleep_mutex_);
-    pool.stepping_.store(true, std::memory_order_release);
+    pool.stepping_.store(pool.active_, std::memory_order_release);
     any_asleep = pool.asleep_ != 0;
   }
   if (any_asleep) pool.wake_.notify_all();
 }
 
 WorkerPool::Awake::~Awake() {
-  if (--pool_.awake_ == 0) pool_.stepping_.store(false, std::memory_order_release);
+  if (--pool_.awake_ != 0) return;
+  pool_.stepping_.store(0, std::memory_order_release);
+  if (pool_.threads_ != 1 && !pool_.host_.parallel_for) pool_.choose_active(Clock::now() - begin_);
+}
+
+// After a step that took so long. Where the caller waited for most of it, a worker lost its core: the next steps have half
+// of the threads, and each time that all of them are held up again, twice as many steps.
+void WorkerPool::choose_active(Clock::duration step) {
+  if (fewer_ != 0) {
+    if (--fewer_ == 0) active_ = threads_;
+    return;
+  }
+  const bool held_up = !crowded_ && waited_ > kStall && 2 * waited_ > step;
+  good_ = held_up ? 0 : good_ + 1;
+  if (good_ == kLongPause) pause_ = kShortPause;
+  if (!held_up) return;
+  active_ = std::max<std::size_t>(1, threads_ / 2);
+  fewer_ = pause_;
+  pause_ = std::min(2 * pause_, kLongPause);
 }
 
 void WorkerPool::wait_a_moment(int spins) const {
@@ -76,9 +103,10 @@ void WorkerPool::run_here(std::size_t count, Call call, const void* context) {
   call_.store(call, std::memory_order_relaxed);
   context_.store(context, std::memory_order_relaxed);
   done_.store(0, std::memory_order_relaxed);
-  for (std::size_t t = 0; t < threads_; ++t) {
-    shares_[t].end.store(static_cast<std::uint32_t>(count * (t + 1) / threads_), std::memory_order_relaxed);
-    shares_[t].next.store(pack(open, static_cast<std::uint32_t>(count * t / threads_)), std::memory_order_release);
+  const std::size_t threads = active_;
+  for (std::size_t t = 0; t < threads; ++t) {
+    shares_[t].end.store(static_cast<std::uint32_t>(count * (t + 1) / threads), std::memory_order_relaxed);
+    shares_[t].next.store(pack(open, static_cast<std::uint32_t>(count * t / threads)), std::memory_order_release);
   }
   ticket_.store(open, std::memory_order_release);
   done_.fetch_add(work(0, open), std::memory_order_acq_rel);
@@ -86,13 +114,17 @@ void WorkerPool::run_here(std::size_t count, Call call, const void* context) {
   const Tracer::Clock::time_point begin = traced ? Tracer::Clock::now() : Tracer::Clock::time_point{};
   {
     LateZone zone;
-    for (int spins = 0; done_.load(std::memory_order_acquire) != count; ++spins) {
+    int spins = 0;
+    Clock::time_point long_since;
+    for (; done_.load(std::memory_order_acquire) != count; ++spins) {
       zone.begin(kWaitName);
+      if (spins == kLongWait) long_since = Clock::now();
       wait_a_moment(spins);
     }
+    if (spins > kLongWait) waited_ += Clock::now() - long_since;
   }
   if (traced) tracer_->add(0, kWaitName, begin, Tracer::Clock::now());
-  for (std::size_t t = 0; t < threads_; ++t) {
+  for (std::size_t t = 0; t < threads; ++t) {
     shares_[t].next.store(pack(open + 1, 0xFFFFFFFFu), std::memory_order_release);
   }
   ticket_.store(open + 1, std::memory_order_release);
@@ -139,13 +171,13 @@ std::size_t WorkerPool::work(std::size_t home, std::uint32_t ticket) noexcept {
 }
 
 // Where the next step follows at once, to fall asleep and to be woken would take longer than a small step.
-void WorkerPool::stay_up() const {
+void WorkerPool::stay_up(std::size_t index) const {
   if (crowded_) return;
   constexpr std::chrono::microseconds kLong{50};
-  const auto begin = std::chrono::steady_clock::now();
-  while (std::chrono::steady_clock::now() - begin < kLong) {
+  const auto begin = Clock::now();
+  while (Clock::now() - begin < kLong) {
     for (int k = 0; k < 16; ++k) {
-      if (stepping_.load(std::memory_order_acquire)) return;
+      if (steps(index)) return;
       pause_briefly();
     }
   }
@@ -155,17 +187,17 @@ void WorkerPool::worker(std::size_t index) {
   const FloatSettings settings;
   std::uint32_t seen = 1;
   for (;;) {
-    if (!stepping_.load(std::memory_order_acquire)) stay_up();
-    if (!stepping_.load(std::memory_order_acquire)) {
+    if (!steps(index)) stay_up(index);
+    if (!steps(index)) {
       std::unique_lock lock(sleep_mutex_);
       ++asleep_;
-      wake_.wait(lock, [this, index] { return index > kept_ || stepping_.load(std::memory_order_acquire); });
+      wake_.wait(lock, [this, index] { return index > kept_ || steps(index); });
       --asleep_;
       if (index > kept_) return;
     }
     int spins = 0;
     std::uint32_t ticket = ticket_.load(std::memory_order_acquire);
-    while ((ticket == seen || (ticket & 1u) != 0) && stepping_.load(std::memory_order_acquire)) {
+    while ((ticket == seen || (ticket & 1u) != 0) && steps(index)) {
       wait_a_moment(++spins);
       ticket = ticket_.load(std::memory_order_acquire);
     }

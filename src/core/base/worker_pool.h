@@ -4,7 +4,8 @@
 //
 // Each thread starts on its own share of the numbers, so that a range meets the same cache again, then helps the
 // others. Between the runs of a step workers spin; between steps they sleep, if the next one does not follow at once. A
-// late worker never delays a run, because run() waits for claimed jobs only.
+// late worker never delays a run, because run() waits for claimed jobs only. A worker that the system puts aside within
+// a job does: where the caller waited for most of a step, some steps are done by half of the threads.
 //
 // A job that throws does not keep the others from running. When all are done, run() throws what the first one threw.
 //
@@ -15,6 +16,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -33,6 +35,7 @@
 namespace psim {
 
 class WorkerPool {
+  static constexpr int kShortPause = 4, kLongPause = 64;
   using Call = void (*)(const void* context, std::size_t i);
 
  public:
@@ -43,6 +46,8 @@ class WorkerPool {
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   int threads() const { return static_cast<int>(threads_); }
+  /// Threads that the present step or the next one has; fewer than threads() after one that was held up.
+  int active() const { return static_cast<int>(active_); }
   void set_job_system(JobSystem jobs) { host_ = std::move(jobs); }
 
   /// Keeps the workers awake for its lifetime, however the step ends. One within another changes nothing.
@@ -55,6 +60,7 @@ class WorkerPool {
 
    private:
     WorkerPool& pool_;
+    std::chrono::steady_clock::time_point begin_;
   };
 
   template <class Job>
@@ -66,7 +72,7 @@ class WorkerPool {
         attempt([&] { job(i); });
       });
       throw_what_was_thrown();
-    } else if (threads_ == 1 || count == 1) {
+    } else if (active_ == 1 || count == 1) {
       for (std::size_t i = 0; i < count; ++i) job(i);
     } else {
       const auto call = [](const void* context, std::size_t i) { (*static_cast<const Job*>(context))(i); };
@@ -98,12 +104,18 @@ class WorkerPool {
   void worker(std::size_t index);
   void keep_workers(std::size_t kept);
   void wait_a_moment(int spins) const;
-  void stay_up() const;
+  void stay_up(std::size_t index) const;
+  bool steps(std::size_t index) const { return index < stepping_.load(std::memory_order_acquire); }
+  void choose_active(std::chrono::steady_clock::duration step);
 
   std::size_t threads_;  // the caller's among them; written before the first run
   Tracer* tracer_;
-  bool crowded_ = false;  // there are more threads than cores, so waiting yields the core
+  const bool crowded_;    // there are more threads than cores, so waiting yields the core
   int awake_ = 0;         // how many Awake there are
+  std::size_t active_;    // threads of the next step
+  std::chrono::steady_clock::duration waited_{};  // of this step, the caller for others
+  int fewer_ = 0, good_ = 0;                      // steps with fewer threads that are to come; good ones in a row
+  int pause_ = kShortPause;                       // as many after the next that is held up
   JobSystem host_;
   std::unique_ptr<Share[]> shares_;
   // The call of the open run. Relaxed: Share::next orders both.
@@ -118,8 +130,9 @@ class WorkerPool {
   // The first thing that a job of the open run threw. Relaxed: done_ orders both for the caller, who reads them last.
   std::atomic<bool> failed_{false};
   std::exception_ptr thrown_;
-  // Says when to spin and carries no data. It is set under the lock, so that no worker sleeps through it.
-  std::atomic<bool> stepping_{false};
+  // Threads of the present step, the caller's among them; 0 between steps. Says who spins and carries no data. It is set
+  // under the lock, so that no worker sleeps through it.
+  std::atomic<std::size_t> stepping_{0};
   std::size_t kept_ = SIZE_MAX;  // workers of a higher index end; under the lock
   std::size_t asleep_ = 0;       // under the lock
   std::mutex sleep_mutex_;
