@@ -92,7 +92,7 @@ struct JointState {
   /// distance, spring, rope, target: length, m; revolute, weld, motor: angle, rad; prismatic, wheel: m along the axis;
   /// gear: the sum that it keeps; pulley: way to a + ratio x way to b, m; filter: 0
   double value = 0;
-  Vec2 force = {};    ///< N on b, of the last substep
+  Vec2 force = {};    ///< N on b, of the last substep; while its bodies sleep 0, as `torque`
   double torque = 0;  ///< N m on b
   double speed = 0;   ///< m/s or rad/s: how fast `value` grows
 };

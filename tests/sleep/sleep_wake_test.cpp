@@ -377,5 +377,34 @@ TEST(SleepWake, APileRestsAfterTheOnlyLargeBodyIsRemoved) {
   }
 }
 
+// A shape that was once found to be apart from a sleeper, and turns and drifts away beside it, does not wake it, whatever
+// the lists of others look like: a fast body far off makes them longer.
+TEST(SleepWake, NothingThatPassesAtADistanceWakes) {
+  for (const double fast : {0.0, 20.0, 60.0}) {
+    for (const double drift : {0.6, 2.0}) {
+      auto world = make({}, best_isa());
+      add(*world, fixed(box({0, -0.5}, 200, 1, kGrip)));
+      const BodyId crate = add(*world, box({0, 0.5}, 1, 1, kGrip));
+      BodyDesc debris = box({1.3, 1.8}, 0.6, 0.6, kGrip);
+      debris.velocity = {drift, 0.4};
+      debris.angular_velocity = -0.8;
+      debris.gravity_scale = 0;
+      add(*world, debris);
+      BodyDesc far = disc({150, 400}, {0, -fast}, 0.2, kGrip);
+      far.gravity_scale = 0;
+      add(*world, far);
+      int changes = 0;
+      bool awake = true;
+      for (int frame = 0; frame < 500; ++frame) {
+        world->step();
+        changes += world->is_awake(crate) != awake;
+        awake = world->is_awake(crate);
+      }
+      EXPECT_FALSE(awake) << fast << ' ' << drift;
+      EXPECT_EQ(changes, 1) << fast << ' ' << drift;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace psim::test

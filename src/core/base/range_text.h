@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 
 #include "psim/limits.h"
 #include "psim/types.h"
@@ -32,6 +33,11 @@ class RangeCheck {
   /// A number that is not given passes.
   RangeCheck& operator()(std::string_view name, std::optional<double> value, Range range) {
     return value ? (*this)(name, *value, range) : *this;
+  }
+  /// A value of an enum whose last one is given; a host may cast any number to it.
+  template <class Choice>
+  requires std::is_enum_v<Choice> RangeCheck& operator()(std::string_view name, Choice value, Choice last) {
+    return (*this)(name, static_cast<double>(value), Range{0, static_cast<double>(last)});
   }
 
  private:

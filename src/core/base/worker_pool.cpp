@@ -9,7 +9,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kLongWait = 64;                    // spins; what takes longer is measured
+constexpr int kLongWait = 64;                     // spins; what takes longer is measured
 constexpr std::chrono::microseconds kStall{100};  // shorter waits are no reason to do without workers
 
 constexpr std::uint64_t pack(std::uint32_t ticket, std::uint32_t number) {

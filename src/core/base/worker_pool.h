@@ -110,9 +110,9 @@ class WorkerPool {
 
   std::size_t threads_;  // the caller's among them; written before the first run
   Tracer* tracer_;
-  const bool crowded_;    // there are more threads than cores, so waiting yields the core
-  int awake_ = 0;         // how many Awake there are
-  std::size_t active_;    // threads of the next step
+  const bool crowded_;                            // there are more threads than cores, so waiting yields the core
+  int awake_ = 0;                                 // how many Awake there are
+  std::size_t active_;                            // threads of the next step
   std::chrono::steady_clock::duration waited_{};  // of this step, the caller for others
   int fewer_ = 0, good_ = 0;                      // steps with fewer threads that are to come; good ones in a row
   int pause_ = kShortPause;                       // as many after the next that is held up

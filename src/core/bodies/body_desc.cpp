@@ -83,6 +83,7 @@ void share_properties(std::vector<PartProperties> parts, NewBody& body) {
 
 std::string check(const BodyDesc& d, const Bounds& bounds) {
   RangeCheck check;
+  check("type", d.type, BodyType::kinematic_body);
   check_material(d.material, check);
   check("position", d.position, limits::kCoordinate)("angle", d.angle, limits::kAngle);
   check("velocity", d.velocity, limits::kVelocity);

@@ -60,7 +60,7 @@ void ContactLanes::pad(ContactModel model, std::size_t lane, std::uint32_t dummy
 }
 
 void ContactLanes::fill_all(ContactModel model, const MixingRules& rules, std::size_t begin, std::size_t end,
-                        const BodyProperties& both) {
+                            const BodyProperties& both) {
   if (begin == end) return;
   fill(model, rules, begin, both, both);
   const auto copy_if = [&](bool wanted, auto&... columns) {

@@ -141,7 +141,8 @@ void ContactStore::lay_out_pairs(PairTable& table, std::size_t index, const Each
   Layout lanes(counts, s.blocks.begin, s.loaded);
   const bool material = model_.massed() || model_.bounce;
   if (material && alike_ != nullptr) {
-    pairs.fill_all(model_, s_.mixing, std::size_t{kBlock} * s.blocks.begin, std::size_t{kBlock} * s.blocks.end, *alike_);
+    pairs.fill_all(model_, s_.mixing, std::size_t{kBlock} * s.blocks.begin, std::size_t{kBlock} * s.blocks.end,
+                   *alike_);
   }
   lanes.each_empty(counts, [&](std::uint32_t lane) { pairs.pad(model_, lane, solved_.dummies_of(index)); });
   const auto properties_of = [&](std::uint32_t slot) -> const BodyProperties& { return b.properties(b.id[slot]); };

@@ -20,6 +20,7 @@ struct SleepContact {
   float gap;                             ///< m, at the start of the frame
   bool loaded;                           ///< the contact carries an impulse
   Touch touch;
+  const ManifoldPair* pair = nullptr;  ///< of shapes
 };
 
 /// The points of a manifold along its edge, in an order that depends on neither side.
@@ -92,6 +93,7 @@ void each_contact(const SleepSource& source, const Each& each, const Wanted& wan
       contact.part_a = pair.part_a;
       contact.part_b = pair.part_b;
       contact.gap = gap_of(pair);
+      contact.pair = &pair;
       contact.loaded = manifolds.closed(k, pair);
       order_points(pair, contact.touch);
       each(contact);

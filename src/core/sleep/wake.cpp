@@ -164,6 +164,19 @@ bool wake_queued(const SleepSource& source, Sleepers& sleepers) {
   return any;
 }
 
+// The least gap, m, that the shape of a body may have now to a piece of fixed geometry from which it was apart when the
+// hulls were looked at: what is left of that gap after all that the body moved and turned since.
+double gap_left(const SleepSource& source, const ManifoldPair& pair) {
+  const BodyStore& b = source.population.bodies;
+  const double moved = length_of(source.lattice.way(pair.base, b.point(pair.b)));
+  double turned = 0;
+  if (!b.angle.empty()) {
+    const Rotor now = rotor_of(b.angle[pair.b]), then = pair.turn_b;
+    turned = length_of(Vec2{static_cast<double>(now.c - then.c), static_cast<double>(now.s - then.s)});
+  }
+  return static_cast<double>(pair.gap[0]) - moved - turned * static_cast<double>(b.radius[pair.b]);
+}
+
 }  // namespace
 
 bool Sleep::wake_reached(const SleepSource& source, double dt) {
@@ -184,7 +197,9 @@ bool Sleep::wake_reached(const SleepSource& source, double dt) {
     } else {
       gap -= way;  // the gap is that of the start of the frame
     }
-    if (gap > way + Sleepers::ball(bodies.radius[i])) return;
+    const float near = way + Sleepers::ball(bodies.radius[i]);
+    if (gap > near) return;
+    if (contact.pair != nullptr && contact.pair->is_apart() && gap_left(source, *contact.pair) > near) return;
     if (!sleepers.moves(i, sleepers.list[bodies.info[shape.owner].slot].creeps)) return;
     const float mass = bodies.properties(bodies.id[i]).mass, hit_mass = bodies.properties(shape.owner).mass;
     sleepers.queue.push_back({shape.owner, rings_of(speed, mass, hit_mass)});

@@ -241,7 +241,7 @@ void spare_room(Owners& w) {
   for (PairTable* of : {&lists.table, &lists.old_table, &lists.candidates}) of->spare(bodies.count, pairs);
   const std::size_t all = kernels::round_up_block(bodies.count) + 2 * lists.table.strips.size() + kFewStrips;
   lists.broad.spare(bodies.count, all);
-  keep_if(true, pairs, lists.picked_owner, lists.picked_other);
+  keep_if(true, lists.candidates.owner.capacity(), lists.picked_owner, lists.picked_other);
   if (bodies.count >= BroadPhase::kSmallWorld) lists.renewal.spare(bodies.count);
   for (Column<float>* of : {&bodies.vel, &bodies.disp, &bodies.vel0}) of->reserve(2 * all);
   bodies.pos.reserve(2 * all);

@@ -64,6 +64,9 @@ std::string check(const std::vector<Field>& fields) {
 std::string check(const WorldDesc& d, const RunOptions& o) {
   const Bounds& b = d.bounds;
   RangeCheck check;
+  check("boundary", d.boundary, Boundary::open)("integrator", d.integrator, Integrator::symplectic4);
+  check("mixing of restitution", d.mixing.restitution, Mixing::geometric);
+  check("mixing of friction", d.mixing.friction, Mixing::geometric);
   check("a corner of the bounds", Vec2{b.xmin, b.ymin}, limits::kCoordinate);
   check("a corner of the bounds", Vec2{b.xmax, b.ymax}, limits::kCoordinate);
   check("width and height of the bounds", Vec2{b.xmax - b.xmin, b.ymax - b.ymin}, limits::kExtent);

@@ -284,14 +284,17 @@ bool World::set_transform(BodyId id, Vec2 position, double angle) try {
 
 bool World::set_velocity(BodyId id, Vec2 velocity, double angular_velocity) try {
   const FloatSettings settings;
+  const bool within = limits::kVelocity.contains(velocity) && limits::kAngularVelocity.contains(angular_velocity);
+  if (!within && std::isfinite(velocity.x) && std::isfinite(velocity.y) && std::isfinite(angular_velocity))
+    return false;
   if (DisabledBody* body = disabled_mover(*impl_, id)) {
-    if (!limits::kVelocity.contains(velocity) || !limits::kAngularVelocity.contains(angular_velocity)) return false;
+    if (!within) return false;
     impl_->settled();
     body->last.vx = velocity.x, body->last.vy = velocity.y, body->last.omega = angular_velocity;
     return true;
   }
   return push(*impl_, id, [&](std::uint32_t) {
-    if (!limits::kVelocity.contains(velocity) || !limits::kAngularVelocity.contains(angular_velocity)) return false;
+    if (!within) return false;
     if (angular_velocity != 0) let_turn(*impl_);
     impl_->population.set_velocity(id.index, velocity, angular_velocity);
     return true;

@@ -144,6 +144,7 @@ std::string check_numbers(const JointDesc& d) {
                       : has_axis(d.type)            ? limits::kCoordinate
                                                     : limits::kAngle;
   RangeCheck check;
+  check("type", d.type, JointType::filter);
   check("anchor a", d.anchor_a, limits::kCoordinate)("anchor b", d.anchor_b, limits::kCoordinate);
   check("stiffness", d.stiffness, limits::kStiffness)("damping", d.damping, limits::kJointDamping);
   check("axis", d.axis, limits::kCoordinate)("reference", d.reference, limits::kAngle);
