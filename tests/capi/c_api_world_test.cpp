@@ -142,8 +142,9 @@ TEST(CApi, BulkSpawnReadsColumnsAndStrides) {
   EXPECT_EQ(psim_world_body_count(plain.world), 500u);
   EXPECT_EQ(psim_world_state_hash(strided.world), psim_world_state_hash(plain.world));
 
-  for (const auto& [bad, what] : {std::pair{kNaN, "position must be from -1e9 to 1e9, not nan"},
-                                  {1e9, "position must lie inside the world's bounds"}}) {
+  for (const auto& [bad, what] :
+       {std::pair{kNaN, "position must be from -1e9 to 1e9, not nan"},
+        {1e9, "position must lie inside the world's bounds, (-500, -500) to (500, 500), not at (1e9, 1)"}}) {
     x[3] = bad;
     ASSERT_EQ(psim_world_add_discs(plain.world, &batch, nullptr), PSIM_ERROR_ARGUMENT);
     EXPECT_EQ(plain.last(), std::string("psim_world_add_discs: disc 3 of the batch: ") + what);

@@ -81,6 +81,8 @@ void share_properties(std::vector<PartProperties> parts, NewBody& body) {
   if (!alike(std::identity{}) || parts[0].is_special() || parts[0].user_data() != 0) body.own = std::move(parts);
 }
 
+static std::string point_text(Vec2 point) { return "(" + exact_text(point.x) + ", " + exact_text(point.y) + ")"; }
+
 std::string check(const BodyDesc& d, const Bounds& bounds) {
   RangeCheck check;
   check("type", d.type, BodyType::kinematic_body);
@@ -99,13 +101,19 @@ std::string check(const BodyDesc& d, const Bounds& bounds) {
   };
   check_radius(d.shape);
   if (const auto* compound = std::get_if<CompoundShape>(&d.shape)) {
-    for (const ShapePart& part : compound->parts) check_radius(part.shape);
+    for (std::size_t k = 0; k < compound->parts.size() && check.error.empty(); ++k) {
+      check_radius(compound->parts[k].shape);
+      if (!check.error.empty()) return "part " + std::to_string(k) + ": " + check.error;
+    }
   }
   if (const auto* disc = std::get_if<DiscShape>(&d.shape)) {
     check_mass(d.mass, disc_mass(disc->radius, d.mass, d.material), check);
   }
   if (!check.error.empty()) return check.error;
-  if (!contains(bounds, d.position)) return "position must lie inside the world's bounds";
+  if (!contains(bounds, d.position)) {
+    return "position must lie inside the world's bounds, " + point_text({bounds.xmin, bounds.ymin}) + " to " +
+           point_text({bounds.xmax, bounds.ymax}) + ", not at " + point_text(d.position);
+  }
   return check_chain_materials(d.shape);
 }
 
@@ -252,7 +260,9 @@ std::string cut_chain(const ChainShape& chain, Pieces& pieces) {
   if (std::string error; !is_line(points, error)) return error;
   for (std::size_t k = 0; k < (chain.loop ? n : n - 1); ++k) {
     const Vec2 from = points[k], to = points[(k + 1) % n];
-    if (from.x == to.x && from.y == to.y) return "segment points must differ";
+    if (from.x == to.x && from.y == to.y) {
+      return "vertex " + std::to_string((k + 1) % n) + " must differ from vertex " + std::to_string(k);
+    }
     const std::size_t first = pieces.list.size();
     pieces.segment(from, to, 0, false);
     if (chain.materials.empty()) continue;
