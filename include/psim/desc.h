@@ -84,7 +84,7 @@ struct BoxShape {
 /// Of a polygon.
 inline constexpr int kMostPolygonVertices = 8;
 
-/// A convex polygon in the body's frame, counter-clockwise; need not be centred.
+/// A convex polygon in the body's frame, counter-clockwise, or clockwise, which is turned round; need not be centred.
 struct PolygonShape {
   std::vector<Vec2> vertices = {};  ///< metres; 3 to kMostPolygonVertices
   double radius = 0;                ///< metres, >= 0: rounds it, outside of the vertices

@@ -15,6 +15,8 @@ struct TouchEvent {
   BodyId b = {};     ///< the other; kNoBody for a wall of the world
   Vec2 point = {};   ///< metres: of two bodies that began, where they press or overlap most
   Vec2 normal = {};  ///< of length 1, from a to b: there, and of a wall always; else zero
+  /// Of a sensor's event: which part of a feels b, as in World::part_traits; in a kinematic chain which segment. Else 0.
+  std::uint32_t part = 0;
 };
 
 /// A body that moved in a step.
@@ -48,13 +50,13 @@ struct EventOptions {
   bool moves = false;     ///< who moved, and whereto
 };
 
-/// Of the last step, each ordered by a, then b. Valid until the next call that changes the world.
+/// Of the last step, each ordered by a, then b, those of sensors then by part. Valid until the next call that changes the world.
 struct Events {
   std::span<const TouchEvent> begin = {};         ///< touch now and did not before
   std::span<const TouchEvent> end = {};           ///< touched and do no more
   std::span<const HitEvent> hits = {};            ///< faster than EventOptions::hit_speed
-  std::span<const TouchEvent> sensor_begin = {};  ///< a is the sensor, b entered it
-  std::span<const TouchEvent> sensor_end = {};    ///< a is the sensor, b left it
+  std::span<const TouchEvent> sensor_begin = {};  ///< a is the sensor, b entered this part of it
+  std::span<const TouchEvent> sensor_end = {};    ///< a is the sensor, b left this part of it
   std::span<const JointBreak> breaks = {};        ///< joints that broke, by JointId::index; always told
   std::span<const BodyId> fell_asleep = {};       ///< at the end of the step
   std::span<const BodyId> woke = {};              ///< since the end of the step before; also by what the host did

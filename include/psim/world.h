@@ -164,8 +164,8 @@ class PSIM_API World {
   bool apply_force_at(BodyId id, Vec2 force, Vec2 point);
   /// The same with a torque, N m.
   bool apply_torque(BodyId id, double torque);
-  /// Pushes all dynamic bodies around a point away from it, at once. Returns how many; nothing if a number is out of its
-  /// range (psim/limits.h).
+  /// Pushes all dynamic bodies around a point away from it, at once, but for a disc whose centre is the point: it has no way
+  /// to go. Returns how many; nothing if a number is out of its range (psim/limits.h).
   std::optional<std::size_t> explode(const Explosion& explosion);
 
   /// Takes a body out of the simulation for a while, or lets it come back: nothing meets it, finds it or moves it, its

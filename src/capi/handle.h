@@ -33,6 +33,7 @@ struct psim_world {
   std::vector<psim_hit_event> hits;
   std::vector<double> hit_impulses;
   std::vector<psim_parts> hit_parts, contact_parts;
+  std::vector<uint32_t> sensor_begin_parts, sensor_end_parts;
   std::vector<psim_joint_break> breaks;
   std::vector<psim_touch_point> begin_points;
   std::vector<psim_body_id> fell_asleep, woke;

@@ -48,6 +48,22 @@ void copy(std::span<const psim::TouchEvent> from, std::vector<psim_touch_event>&
   for (const psim::TouchEvent& e : from) to.push_back({to_c(e.a), to_c(e.b)});
 }
 
+void copy_parts(std::span<const psim::TouchEvent> from, std::vector<uint32_t>& to) {
+  to.clear();
+  for (const psim::TouchEvent& e : from) to.push_back(e.part);
+}
+
+void copy_hits(std::span<const psim::HitEvent> from, psim_world& world) {
+  world.hits.clear();
+  world.hit_impulses.clear();
+  world.hit_parts.clear();
+  for (const psim::HitEvent& e : from) {
+    world.hits.push_back({to_c(e.a), to_c(e.b), to_c(e.point), to_c(e.normal), e.speed});
+    world.hit_impulses.push_back(e.impulse);
+    world.hit_parts.push_back({e.part_a, e.part_b});
+  }
+}
+
 void copy(std::span<const psim::BodyId> from, std::vector<psim_body_id>& to) {
   to.clear();
   for (const psim::BodyId id : from) to.push_back(to_c(id));
@@ -221,6 +237,8 @@ psim_result psim_world_events(psim_world* world, psim_events* events) {
     copy(from.end, world->end);
     copy(from.sensor_begin, world->sensor_begin);
     copy(from.sensor_end, world->sensor_end);
+    copy_parts(from.sensor_begin, world->sensor_begin_parts);
+    copy_parts(from.sensor_end, world->sensor_end_parts);
     world->begin_points.clear();
     for (const psim::TouchEvent& e : from.begin) world->begin_points.push_back({to_c(e.point), to_c(e.normal)});
     copy(from.fell_asleep, world->fell_asleep);
@@ -229,14 +247,7 @@ psim_result psim_world_events(psim_world* world, psim_events* events) {
     for (const psim::MoveEvent& e : from.moves) {
       world->moves.push_back({to_c(e.body), to_c(e.position), e.angle, e.fell_asleep ? 1 : 0, 0});
     }
-    world->hits.clear();
-    world->hit_impulses.clear();
-    world->hit_parts.clear();
-    for (const psim::HitEvent& e : from.hits) {
-      world->hits.push_back({to_c(e.a), to_c(e.b), to_c(e.point), to_c(e.normal), e.speed});
-      world->hit_impulses.push_back(e.impulse);
-      world->hit_parts.push_back({e.part_a, e.part_b});
-    }
+    copy_hits(from.hits, *world);
     world->breaks.clear();
     for (const psim::JointBreak& b : from.breaks) {
       world->breaks.push_back(
@@ -258,6 +269,10 @@ psim_result psim_world_events(psim_world* world, psim_events* events) {
     out.sensor_begin_count = world->sensor_begin.size();
     out.sensor_end = world->sensor_end.data();
     out.sensor_end_count = world->sensor_end.size();
+    out.sensor_begin_parts = world->sensor_begin_parts.data();
+    out.sensor_begin_part_count = world->sensor_begin_parts.size();
+    out.sensor_end_parts = world->sensor_end_parts.data();
+    out.sensor_end_part_count = world->sensor_end_parts.size();
     out.breaks = world->breaks.data();
     out.break_count = world->breaks.size();
     out.begin_points = world->begin_points.data();

@@ -1,6 +1,7 @@
 // Who enters and leaves sensors: bodies, and parts of bodies.
 #include <cmath>
 #include <set>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <variant>
@@ -12,7 +13,7 @@
 namespace psim::test {
 namespace {
 
-using Pair = std::pair<std::uint32_t, std::uint32_t>;
+using Felt = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;  // sensor, its part, who is in it
 
 // The parts of a body, each with the filter and the flag that count for it.
 std::vector<ShapePart> parts_of(const BodyDesc& body) {
@@ -77,52 +78,55 @@ TEST(Sensors, TellWhoIsInThemAsBruteForceDoes) {
     }
     std::vector<std::vector<ShapePart>> parts;
     for (const BodyDesc& body : bodies) parts.push_back(parts_of(body));
-    std::set<Pair> inside;
+    std::set<Felt> inside;
     for (int frame = 0; frame < 90; ++frame) {
       world->step();
       const Events e = world->events();
       for (const TouchEvent& t : e.sensor_end) {
-        EXPECT_EQ(inside.erase({t.a.index, t.b.index}), 1u);
+        EXPECT_EQ(inside.erase({t.a.index, t.part, t.b.index}), 1u);
       }
       for (const TouchEvent& t : e.sensor_begin) {
-        EXPECT_TRUE(inside.insert({t.a.index, t.b.index}).second);
+        EXPECT_TRUE(inside.insert({t.a.index, t.part, t.b.index}).second);
       }
       for (std::uint32_t a = 0; a < bodies.size(); ++a) {
         if (!bodies[a].sensor) continue;
-        for (std::uint32_t b = 0; b < bodies.size(); ++b) {
-          const bool told = inside.count({a, b}) != 0;
-          if (a == b || (bodies[a].type == BodyType::static_body && bodies[b].type == BodyType::static_body)) {
-            EXPECT_FALSE(told);
-            continue;
-          }
-          const BodyState s = state(*world, world->id_of(a)), o = state(*world, world->id_of(b));
-          const auto apart = [&](double dx, double dy) {  // with b moved aside by so much
-            double least = 1e300;
-            for (int x = -1; x <= 1; ++x) {
-              for (int y = -1; y <= 1; ++y) {
+        const BodyState s = state(*world, world->id_of(a));
+        for (std::uint32_t part = 0; part < parts[a].size(); ++part) {
+          const ShapePart& p = parts[a][part];
+          const auto own = outlines(CompoundShape{{p}}, {s.x, s.y}, s.angle);
+          for (std::uint32_t b = 0; b < bodies.size(); ++b) {
+            const bool told = inside.count({a, part, b}) != 0;
+            if (a == b || (bodies[a].type == BodyType::static_body && bodies[b].type == BodyType::static_body)) {
+              EXPECT_FALSE(told);
+              continue;
+            }
+            const BodyState o = state(*world, world->id_of(b));
+            const auto apart = [&](double dx, double dy) {  // with b moved aside by so much
+              double least = 1e300;
+              for (int k = 0; k < 9; ++k) {
+                const int x = k % 3 - 1, y = k / 3 - 1;
                 if (boundary != Boundary::periodic && (x != 0 || y != 0)) continue;
                 const Vec2 at{o.x + 30 * x + dx, o.y + 30 * y + dy};
                 if (std::hypot(at.x - s.x, at.y - s.y) > 10) continue;
-                for (const ShapePart& p : parts[a]) {
-                  for (const ShapePart& q : parts[b]) {
-                    if (!tells(p, q)) continue;
-                    for (const auto& mine : outlines(CompoundShape{{p}}, {s.x, s.y}, s.angle)) {
-                      for (const auto& theirs : outlines(CompoundShape{{q}}, at, o.angle)) {
-                        least = std::min(least, distance(mine, theirs));
-                      }
+                for (const ShapePart& q : parts[b]) {
+                  if (!tells(p, q)) continue;
+                  for (const auto& mine : own) {
+                    for (const auto& theirs : outlines(CompoundShape{{q}}, at, o.angle)) {
+                      least = std::min(least, distance(mine, theirs));
                     }
                   }
                 }
               }
+              return least;
+            };
+            const double fuzz = 1e-5, least = apart(0, 0);
+            EXPECT_TRUE(!told || least < fuzz) << a << " " << part << " " << b;
+            if (!told && least == 0) {  // unless they only just touch
+              EXPECT_GT(apart(fuzz, 0) + apart(-fuzz, 0) + apart(0, fuzz) + apart(0, -fuzz), 0)
+                  << a << " " << b << " " << part;
             }
-            return least;
-          };
-          const double fuzz = 1e-5, least = apart(0, 0);
-          EXPECT_TRUE(!told || least < fuzz) << a << " " << b;
-          if (!told && least == 0) {  // unless they only just touch
-            EXPECT_GT(apart(fuzz, 0) + apart(-fuzz, 0) + apart(0, fuzz) + apart(0, -fuzz), 0) << a << " " << b;
+            seen += told ? 1 : 0;
           }
-          seen += told ? 1 : 0;
         }
       }
     }
@@ -146,6 +150,71 @@ TEST(Sensors, ThatMoveAreHeldByTheWallsAlone) {
     for (const BodyId id : ids) EXPECT_NEAR(state(*world, id).y, 0.5, 0.01) << boxes << id.index;
     EXPECT_NEAR(state(*world, ball).y, 6, 0.01);
   }
+}
+
+// A foot and a hand of one character feel the same ground, a floor and a wall in one piece, each for itself.
+TEST(Sensors, OfOneBodyFeelTheSameOtherEachForItself) {
+  auto world = make(walled({-20, 0, 20, 20}));
+  world->set_event_options({false, false, 1, true});
+  BodyDesc ground = fixed(box({0, 1}, 20, 1));
+  ground.shape = CompoundShape{{{BoxShape{20, 1}}, {BoxShape{1, 10}, {9, 5}}}};
+  const BodyId level = add(*world, ground);
+  BodyDesc hero = box({6, 6}, 1, 1);
+  hero.fixed_rotation = true;
+  ShapePart foot{BoxShape{0.6, 0.3}, {0, -0.6}}, hand{BoxShape{0.3, 0.6}, {0.6, 0}};
+  foot.sensor = hand.sensor = true;
+  hero.shape = CompoundShape{{{BoxShape{0.9, 1}}, foot, hand}};
+  const BodyId id = add(*world, hero);
+  std::vector<Felt> began, ended;
+  const auto listen = [&](int frames) {
+    began.clear();
+    ended.clear();
+    for (int k = 0; k < frames; ++k) {
+      world->step();
+      for (const TouchEvent& t : world->events().sensor_begin) began.emplace_back(t.a.index, t.part, t.b.index);
+      for (const TouchEvent& t : world->events().sensor_end) ended.emplace_back(t.a.index, t.part, t.b.index);
+    }
+  };
+  const Felt by_foot{id.index, 1, level.index}, by_hand{id.index, 2, level.index};
+  listen(90);
+  EXPECT_EQ(began, std::vector{by_foot});
+  world->set_velocity(id, {3, 0}, 0);
+  listen(60);
+  EXPECT_EQ(began, std::vector{by_hand});
+  EXPECT_TRUE(ended.empty());
+  world->set_transform(id, {7, 9}, 0);
+  listen(1);
+  EXPECT_EQ(ended, (std::vector{by_foot, by_hand}));
+  world->remove_body(id);
+  listen(1);
+  EXPECT_TRUE(began.empty() && ended.empty());
+}
+
+// Also of a static body, whose sensors are kept apart from what stops others.
+TEST(Sensors, OfStaticBodiesTellTheirPartsToRaysToo) {
+  auto world = make(walled({-20, 0, 20, 20}));
+  world->set_event_options({false, false, 1, true});
+  BodyDesc gate = fixed(box({0, 1}, 1, 1));
+  ShapePart left{BoxShape{2, 2}, {-5, 0}}, right{ChainShape{.vertices = {{4, -1}, {5, 0}, {6, 1}}}};
+  left.sensor = right.sensor = true;
+  gate.shape = CompoundShape{{{BoxShape{1, 1}}, left, {BoxShape{1, 3}}, right}};
+  const BodyId id = add(*world, gate), ball = add(*world, disc({5, 1}, {}, 0.5));
+  world->step();
+  ASSERT_EQ(world->events().sensor_begin.size(), 1u);
+  EXPECT_EQ(world->events().sensor_begin[0].a, id);
+  EXPECT_EQ(world->events().sensor_begin[0].part, 3u);
+  world->set_transform(ball, {-5, 1}, 0);
+  world->step();
+  ASSERT_EQ(world->events().sensor_begin.size(), 1u);
+  EXPECT_EQ(world->events().sensor_begin[0].part, 1u);
+  EXPECT_EQ(world->events().sensor_end[0].part, 3u);
+  QueryFilter all;
+  all.sensors = true;
+  all.ignore = ball;
+  const auto hit = world->ray_cast({-5, 5}, {-5, 0}, all);
+  ASSERT_TRUE(hit);
+  EXPECT_EQ(hit->part, 1u);
+  EXPECT_TRUE(world->part_traits(id, hit->part)->sensor);
 }
 
 TEST(Sensors, StopNothing) {

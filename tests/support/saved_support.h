@@ -25,7 +25,7 @@ inline Told step(World& world) {
   const auto count = [&](std::uint64_t n) { events = events * 1000003 + n; };
   for (const auto& touches : {e.begin, e.end, e.sensor_begin, e.sensor_end}) {
     count(touches.size());
-    for (const TouchEvent& t : touches) count(t.a.index * 31 + t.b.index);
+    for (const TouchEvent& t : touches) count((t.a.index * 31 + t.b.index) * 31 + t.part);
   }
   count(e.hits.size());
   return {world.state_hash(), r.contacts, r.pairs, r.asleep, events};

@@ -151,6 +151,10 @@ typedef struct psim_events {
   size_t hit_impulse_count;              ///< as many
   const psim_parts* hit_parts;           ///< of each event in `hits`
   size_t hit_part_count;                 ///< as many
+  const uint32_t* sensor_begin_parts;    ///< of each event in `sensor_begin`: which part of a feels b
+  size_t sensor_begin_part_count;        ///< as many
+  const uint32_t* sensor_end_parts;      ///< of each event in `sensor_end`
+  size_t sensor_end_part_count;          ///< as many
 } psim_events;
 
 /// Sets the defaults.

@@ -371,7 +371,8 @@ void turn_one_way(std::span<PartProperties> parts, double angle) {
   }
 }
 
-// The hulls of a static body's sensors.
+// The hulls of a static body's sensors. What they have comes once more behind the parts, with the number of its part in
+// place of user data.
 std::string make_sensors(const BodyDesc& d, const std::vector<PartProperties>& parts, NewBody& body) {
   HullSet hulls;
   std::string error;
@@ -381,7 +382,9 @@ std::string make_sensors(const BodyDesc& d, const std::vector<PartProperties>& p
     const std::size_t part = hulls.part_of(k, parts.size());
     if (!parts.empty() && parts[part].sensor == 0) continue;
     body.hulls.push_back(hulls.parts[k]);
-    if (!parts.empty()) body.own.push_back(parts[part]);
+    if (parts.empty()) continue;
+    body.own.push_back(parts[part]);
+    body.own.back().set_user_data(part);
   }
   return {};
 }

@@ -149,6 +149,14 @@ class BodyStore {
     if (kind.first_part != 0) return parts[kind.first_part + part];
     return {{body.restitution, body.friction, 0, 0}, kind.filter, static_cast<std::uint16_t>(kind.sensor)};
   }
+  /// The number of the part that a hull of a body belongs to. Those of static bodies are of sensors and know it: make_sensors.
+  std::uint32_t part_of_hull(const BodyProperties& body, std::uint32_t hull) const {
+    const BodyKind& kind = kinds[body.kind];
+    const std::uint32_t number = kind.part_of_hull(hull);
+    if (kind.first_part == 0 || body.type() != BodyType::static_body) return number;
+    const std::uint64_t told = parts[kind.first_part + number].user_data();  // in forged states anything
+    return static_cast<std::uint32_t>(std::min<std::uint64_t>(told, kind.part_count - 1));
+  }
   /// Of length 1, in the body's frame, or of a static body in world axes: what comes against it meets this part. 0: what comes from anywhere.
   Vec2 one_way_of(const BodyKind& body, std::uint32_t part) const {
     if (body.first_part == 0) return {};

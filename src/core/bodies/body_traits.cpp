@@ -13,7 +13,9 @@ namespace {
 PartProperties common_of(const BodyStore& b, const BodyProperties& body) {
   const BodyKind& kind = b.kinds[body.kind];
   PartProperties first = b.part_of(body, 0);
-  for (std::uint32_t k = 1; k < kind.part_count; ++k) {
+  // What the hulls of a static body have, its parts have as well.
+  const bool again = body.type() == BodyType::static_body && kind.first_part != 0;
+  for (std::uint32_t k = 1; k < kind.part_count - (again ? kind.hull_count : 0); ++k) {
     if (b.part_of(body, k) == first) continue;
     return {{body.restitution, body.friction, 0, 0}, kind.filter, static_cast<std::uint16_t>(kind.sensor)};
   }

@@ -135,7 +135,7 @@ class Teller {
     Vec2 begin, end;  // of the line
     for (std::uint32_t k = 0; k < kind_.hull_count; ++k) {
       const Hull& hull = world_.bodies.hulls[kind_.first_hull + k];
-      const PartProperties has = part_of(kind_.part_of_hull(k));
+      const PartProperties has = part_of(world_.bodies.part_of_hull(properties_, k));
       const Vec2 first = hull.vertex(0), last = hull.vertex(hull.count - 1), at = centre + first;
       if (hull.count == 1) {
         add(has, DiscShape{wide(hull.radius)}, at);

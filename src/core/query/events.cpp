@@ -73,7 +73,7 @@ void EventList::set_options(const EventOptions& options) {
     give_back(began_with_);
     contacts_ = ContactList();
   }
-  if (!options.sensors) give_back(sensed_);
+  if (!options.sensors) give_back(sensed_, felt_);
   if (!options.sleep && !options.moves) give_back(sleepers_, asleep_before_);
   if (!options.moves) give_back(moves_);
   if (!options.hits) give_back(hits_);
@@ -116,13 +116,15 @@ void EventList::replace(Keys& known, std::uint32_t ids) {
   known.swap(now_);
 }
 
-// Writes the events of what began and ended. A body that is gone has the handle that it had.
+// The handle of a body; of one that is gone that which it had.
+BodyId EventList::last_handle(const Observed& world, std::uint32_t id) const {
+  const auto gone = removed(id);
+  return gone != removed_.end() ? *gone : is_wall(id) ? kNoBody : world.handle(id);
+}
+
+// Writes the events of what began and ended.
 void EventList::tell(const Observed& world, std::vector<TouchEvent>& begin, std::vector<TouchEvent>& end) {
   const auto handle = [&](std::uint32_t id) { return is_wall(id) ? kNoBody : world.handle(id); };
-  const auto last_handle = [&](std::uint32_t id) {
-    const auto gone = removed(id);
-    return gone != removed_.end() ? *gone : handle(id);
-  };
   sort_keys(began_.begin(), began_.end());
   sort_keys(ended_.begin(), ended_.end());
   begin.clear();
@@ -131,7 +133,7 @@ void EventList::tell(const Observed& world, std::vector<TouchEvent>& begin, std:
     begin.push_back({handle(first_of(key)), handle(second_of(key)), {}, inward(second_of(key))});
   }
   for (const std::uint64_t key : ended_) {
-    end.push_back({last_handle(first_of(key)), last_handle(second_of(key)), {}, inward(second_of(key))});
+    end.push_back({last_handle(world, first_of(key)), last_handle(world, second_of(key)), {}, inward(second_of(key))});
   }
   began_.clear();
   ended_.clear();
@@ -290,7 +292,7 @@ void EventList::settle_sleepers(const Observed& world) {
 
 void EventList::gather_sensed(const Observed& world, const QueryIndex& index) {
   const BodyStore& b = world.bodies;
-  now_.clear();
+  felt_.clear();
   if (world.population.traits.moving != 0) {
     const QueryIndex::Part& moving = index.part(world, QueryIndex::kMoving);
     const QueryIndex::Part& sleeping = index.part(world, QueryIndex::kSleeping);
@@ -308,7 +310,9 @@ void EventList::gather_sensed(const Observed& world, const QueryIndex& index) {
           return other.body != item.body && here(other.body) && !b.is_sensor(theirs, other.part) &&
                  meet(b.filter_of(kind, item.part), b.filter_of(theirs, other.part));
         };
-        const auto add = [&](std::uint32_t other) { now_.push_back(std::uint64_t{item.body} << 32 | other); };
+        const auto add = [&](std::uint32_t other) {
+          felt_.emplace_back(std::uint64_t{item.body} << 32 | other, item.part);
+        };
         for (const QueryIndex::Part* in : into) {
           QueryIndex::each_overlap(world, *in, mine, item.at, {reach, reach}, felt, add);
         }
@@ -320,8 +324,30 @@ void EventList::gather_sensed(const Observed& world, const QueryIndex& index) {
       look(sleeping, {&moving, &sleeping, &fixed});
     }
   }
-  replace(sensed_, b.id_count);
-  tell(world, sensor_begin_, sensor_end_);
+  std::ranges::sort(felt_);  // Total order: equal ones are alike.
+  felt_.erase(std::unique(felt_.begin(), felt_.end()), felt_.end());
+  tell_sensed(world);
+}
+
+// Those in felt_ take the place of those in sensed_. What removed bodies felt or let others feel has ended, even if other
+// bodies have their ids now.
+void EventList::tell_sensed(const Observed& world) {
+  const auto gone = [&](const Felt& f) {
+    return removed(first_of(f.first)) != removed_.end() || removed(second_of(f.first)) != removed_.end();
+  };
+  const auto within = [](const std::vector<Felt>& all, const Felt& f) { return std::ranges::binary_search(all, f); };
+  sensor_begin_.clear();
+  sensor_end_.clear();
+  for (const Felt& f : sensed_) {
+    if (!gone(f) && within(felt_, f)) continue;
+    const BodyId sensor = last_handle(world, first_of(f.first)), other = last_handle(world, second_of(f.first));
+    sensor_end_.push_back({sensor, other, {}, {}, f.second});
+  }
+  for (const Felt& f : felt_) {
+    if (!gone(f) && within(sensed_, f)) continue;
+    sensor_begin_.push_back({world.handle(first_of(f.first)), world.handle(second_of(f.first)), {}, {}, f.second});
+  }
+  sensed_.swap(felt_);
 }
 
 void EventList::collect(const Observed& world, const QueryIndex& index, const LastStep& last) {
@@ -378,9 +404,9 @@ void EventList::collect_sleep(const Observed& world, bool stepped) {
 }
 
 std::size_t EventList::bytes() const {
-  return bytes_of(lane_key_, rest_found_, rest_, slept_, sensed_, now_, began_, ended_, scratch_, paired_, toggled_,
-                  count_, touching_, begin_, end_, breaks, began_with_, sleepers_, asleep_before_, fell_asleep_, woke_,
-                  moves_) +
+  return bytes_of(lane_key_, rest_found_, rest_, slept_, sensed_, felt_, now_, began_, ended_, scratch_, paired_,
+                  toggled_, count_, touching_, begin_, end_, breaks, began_with_, sleepers_, asleep_before_,
+                  fell_asleep_, woke_, moves_) +
          hits_.bytes() + contacts_.bytes();
 }
 

@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "psim/events.h"
@@ -104,8 +105,10 @@ class EventList {
   void compare_rest(const Observed& world);
   void settle_sleepers(const Observed& world);
   void gather_sensed(const Observed& world, const QueryIndex& index);
+  void tell_sensed(const Observed& world);
   void replace(Keys& known, std::uint32_t ids);
   std::vector<BodyId>::const_iterator removed(std::uint32_t index) const;
+  BodyId last_handle(const Observed& world, std::uint32_t id) const;
   void retire(Keys& known);
   void tell(const Observed& world, std::vector<TouchEvent>& begin, std::vector<TouchEvent>& end);
   void find_points(const Observed& world, const LastStep& last);
@@ -124,7 +127,9 @@ class EventList {
   // Keys of all other contacts that touch: as they were found, and sorted.
   Keys rest_found_, rest_;
   Keys slept_;  ///< touching pairs of bodies that do not move, one or both asleep; sorted
-  Keys sensed_;
+  // Who feels whom, sorted: sensor << 32 | other, and the sensor's part.
+  using Felt = std::pair<std::uint64_t, std::uint32_t>;
+  std::vector<Felt> sensed_, felt_;
 
   Keys now_, began_, ended_, scratch_;
   std::vector<std::uint32_t> count_;

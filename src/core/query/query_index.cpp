@@ -67,7 +67,7 @@ struct Filler {
     if (kind.hull_count == 0) return disc(id, at, properties.radius);
     const SineCosine turn = sine_cosine(angle);
     for (std::uint32_t k = 0; k < kind.hull_count; ++k) {
-      piece({.body = id, .part = kind.part_of_hull(k)},
+      piece({.body = id, .part = world.bodies.part_of_hull(properties, k)},
             {.way = {turn.cosine, turn.sine}, .hull = kind.first_hull + k, .kind = QueryPiece::kHull}, at);
     }
   }

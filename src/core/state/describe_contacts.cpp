@@ -298,7 +298,7 @@ void EventList::describe(Archive& a, std::uint32_t ids) {
     a.value(id.generation);
   });
   a.packed(touching_);
-  for (Keys* keys : {&lane_key_, &paired_, &toggled_, &rest_found_, &rest_, &slept_, &sensed_}) {
+  for (Keys* keys : {&lane_key_, &paired_, &toggled_, &rest_found_, &rest_, &slept_}) {
     a.packed(*keys);
     if (!a.loading()) continue;
     for (const std::uint64_t key : *keys) {
@@ -309,7 +309,12 @@ void EventList::describe(Archive& a, std::uint32_t ids) {
       a.require(known || (keys == &lane_key_ && key == ~std::uint64_t{0}));
     }
   }
+  a.list(sensed_, [&](Felt& f) {
+    values(a, f.first, f.second);
+    a.require(f.first >> 32 < ids && static_cast<std::uint32_t>(f.first) < ids);
+  });
   if (!a.loading()) return;
+  a.require(std::ranges::is_sorted(sensed_));
   slept_at_ = kNever;
   const auto by_index = [](BodyId x, BodyId y) { return x.index >= y.index; };
   a.require(std::adjacent_find(sleepers_.begin(), sleepers_.end(), by_index) == sleepers_.end());
