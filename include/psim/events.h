@@ -15,7 +15,8 @@ struct TouchEvent {
   BodyId b = {};     ///< the other; kNoBody for a wall of the world
   Vec2 point = {};   ///< metres: of two bodies that began, where they press or overlap most
   Vec2 normal = {};  ///< of length 1, from a to b: there, and of a wall always; else zero
-  /// Of a sensor's event: which part of a feels b, as in World::part_traits; in a kinematic chain which segment. Else 0.
+  /// An event of a sensor says which part of a feels b: the number that World::part_traits takes, of a kinematic chain that
+  /// of the segment. All other events have 0.
   std::uint32_t part = 0;
 };
 
@@ -50,7 +51,8 @@ struct EventOptions {
   bool moves = false;     ///< who moved, and whereto
 };
 
-/// Of the last step, each ordered by a, then b, those of sensors then by part. Valid until the next call that changes the world.
+/// What happened in the last step. Each list is ordered by a, then b; those of sensors then by part. The spans are valid
+/// until the next call that changes the world.
 struct Events {
   std::span<const TouchEvent> begin = {};         ///< touch now and did not before
   std::span<const TouchEvent> end = {};           ///< touched and do no more

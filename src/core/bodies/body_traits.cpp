@@ -13,7 +13,7 @@ namespace {
 PartProperties common_of(const BodyStore& b, const BodyProperties& body) {
   const BodyKind& kind = b.kinds[body.kind];
   PartProperties first = b.part_of(body, 0);
-  // What the hulls of a static body have, its parts have as well.
+  // The table lists the parts of a static body first, and then those that are sensors a second time, for their hulls.
   const bool again = body.type() == BodyType::static_body && kind.first_part != 0;
   for (std::uint32_t k = 1; k < kind.part_count - (again ? kind.hull_count : 0); ++k) {
     if (b.part_of(body, k) == first) continue;

@@ -183,7 +183,7 @@ void ContactStore::lift(const PairTable& table) {
   const Strip& s = table.strips.back();
   const std::size_t all = s.pair_end - s.pair_begin;
   lifted_.clear();
-  if (all > lifted_.capacity()) lifted_.reserve(all + all / 8 + 1024);  // as many lists come that are a little longer
+  if (all > lifted_.capacity()) lifted_.reserve(all + all / 8 + 1024);  // the next lists are often a little longer
   for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) lifted_.push_back(impulse_of(table, p));
 }
 

@@ -329,8 +329,8 @@ void EventList::gather_sensed(const Observed& world, const QueryIndex& index) {
   tell_sensed(world);
 }
 
-// Those in felt_ take the place of those in sensed_. What removed bodies felt or let others feel has ended, even if other
-// bodies have their ids now.
+// Tells what is in felt_ and was not in sensed_, and the other way round; then felt_ takes the place of sensed_. A pair
+// with a removed body has ended, even if another body has its id now.
 void EventList::tell_sensed(const Observed& world) {
   const auto gone = [&](const Felt& f) {
     return removed(first_of(f.first)) != removed_.end() || removed(second_of(f.first)) != removed_.end();

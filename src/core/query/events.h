@@ -127,7 +127,7 @@ class EventList {
   // Keys of all other contacts that touch: as they were found, and sorted.
   Keys rest_found_, rest_;
   Keys slept_;  ///< touching pairs of bodies that do not move, one or both asleep; sorted
-  // Who feels whom, sorted: sensor << 32 | other, and the sensor's part.
+  // A sensor that feels a body: sensor << 32 | body, and the number of the part that feels. Both lists are sorted.
   using Felt = std::pair<std::uint64_t, std::uint32_t>;
   std::vector<Felt> sensed_, felt_;
 
