@@ -9,8 +9,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kLongWait = 64;                     // spins; what takes longer is measured
-constexpr std::chrono::microseconds kStall{100};  // shorter waits are no reason to do without workers
+constexpr int kLongWait = 64;  // spins; what takes longer is measured
 
 constexpr std::uint64_t pack(std::uint32_t ticket, std::uint32_t number) {
   return static_cast<std::uint64_t>(ticket) << 32 | number;
@@ -22,7 +21,7 @@ WorkerPool::WorkerPool(int threads, Tracer* tracer)
     : threads_(kHasThreads ? static_cast<std::size_t>(threads) : 1),
       tracer_(tracer),
       crowded_(threads_ > std::thread::hardware_concurrency()),
-      active_(threads_),
+      choice_(threads_, crowded_),
       shares_(std::make_unique<Share[]>(threads_)) {
   workers_.reserve(threads_);
   try {
@@ -31,7 +30,8 @@ WorkerPool::WorkerPool(int threads, Tracer* tracer)
     }
   } catch (const std::exception&) {  // std::system_error, or no memory for what a thread needs
     keep_workers(workers_.size() / 2);
-    active_ = threads_ = workers_.size() + 1;
+    threads_ = workers_.size() + 1;
+    choice_ = {threads_, crowded_};
   }
 }
 
@@ -53,11 +53,11 @@ WorkerPool::Awake::Awake(WorkerPool& pool) : pool_(pool) {
   if (++pool.awake_ > 1 || pool.threads_ == 1 || pool.host_.parallel_for) return;
   begin_ = Clock::now();
   pool.waited_ = {};
-  if (pool.active_ == 1) return;
+  if (pool.active() == 1) return;
   bool any_asleep = false;
   {
     const std::lock_guard lock(pool.sleep_mutex_);
-    pool.stepping_.store(pool.active_, std::memory_order_release);
+    pool.stepping_.store(pool.choice_.active(), std::memory_order_release);
     any_asleep = pool.asleep_ != 0;
   }
   if (any_asleep) pool.wake_.notify_all();
@@ -66,23 +66,7 @@ WorkerPool::Awake::Awake(WorkerPool& pool) : pool_(pool) {
 WorkerPool::Awake::~Awake() {
   if (--pool_.awake_ != 0) return;
   pool_.stepping_.store(0, std::memory_order_release);
-  if (pool_.threads_ != 1 && !pool_.host_.parallel_for) pool_.choose_active(Clock::now() - begin_);
-}
-
-// After a step that took so long. Where the caller waited for most of it, a worker lost its core: the next steps have half
-// of the threads, and each time that all of them are held up again, twice as many steps.
-void WorkerPool::choose_active(Clock::duration step) {
-  if (fewer_ != 0) {
-    if (--fewer_ == 0) active_ = threads_;
-    return;
-  }
-  const bool held_up = !crowded_ && waited_ > kStall && 2 * waited_ > step;
-  good_ = held_up ? 0 : good_ + 1;
-  if (good_ == kLongPause) pause_ = kShortPause;
-  if (!held_up) return;
-  active_ = std::max<std::size_t>(1, threads_ / 2);
-  fewer_ = pause_;
-  pause_ = std::min(2 * pause_, kLongPause);
+  if (pool_.threads_ != 1 && !pool_.host_.parallel_for) pool_.choice_.note(Clock::now() - begin_, pool_.waited_);
 }
 
 void WorkerPool::wait_a_moment(int spins) const {
@@ -103,7 +87,7 @@ void WorkerPool::run_here(std::size_t count, Call call, const void* context) {
   call_.store(call, std::memory_order_relaxed);
   context_.store(context, std::memory_order_relaxed);
   done_.store(0, std::memory_order_relaxed);
-  const std::size_t threads = active_;
+  const std::size_t threads = choice_.active();
   for (std::size_t t = 0; t < threads; ++t) {
     shares_[t].end.store(static_cast<std::uint32_t>(count * (t + 1) / threads), std::memory_order_relaxed);
     shares_[t].next.store(pack(open, static_cast<std::uint32_t>(count * t / threads)), std::memory_order_release);

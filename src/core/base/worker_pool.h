@@ -5,7 +5,7 @@
 // Each thread starts on its own share of the numbers, so that a range meets the same cache again, then helps the
 // others. Between the runs of a step workers spin; between steps they sleep, if the next one does not follow at once. A
 // late worker never delays a run, because run() waits for claimed jobs only. A worker that the system puts aside within
-// a job does: where the caller waited for most of a step, some steps are done by half of the threads.
+// a job does, and a small step is done sooner by one thread: thread_choice.h decides how many threads a step has.
 //
 // A job that throws does not keep the others from running. When all are done, run() throws what the first one threw.
 //
@@ -29,13 +29,13 @@
 #include <vector>
 
 #include "base/machine.h"
+#include "base/thread_choice.h"
 #include "base/trace.h"
 #include "psim/jobs.h"
 
 namespace psim {
 
 class WorkerPool {
-  static constexpr int kShortPause = 4, kLongPause = 64;
   using Call = void (*)(const void* context, std::size_t i);
 
  public:
@@ -46,8 +46,8 @@ class WorkerPool {
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   int threads() const { return static_cast<int>(threads_); }
-  /// Threads that the present step or the next one has; fewer than threads() after one that was held up.
-  int active() const { return static_cast<int>(active_); }
+  /// Threads that the present step or the next one has.
+  int active() const { return static_cast<int>(choice_.active()); }
   void set_job_system(JobSystem jobs) { host_ = std::move(jobs); }
 
   /// Keeps the workers awake for its lifetime, however the step ends. One within another changes nothing.
@@ -72,7 +72,7 @@ class WorkerPool {
         attempt([&] { job(i); });
       });
       throw_what_was_thrown();
-    } else if (active_ == 1 || count == 1) {
+    } else if (choice_.active() == 1 || count == 1) {
       for (std::size_t i = 0; i < count; ++i) job(i);
     } else {
       const auto call = [](const void* context, std::size_t i) { (*static_cast<const Job*>(context))(i); };
@@ -106,16 +106,13 @@ class WorkerPool {
   void wait_a_moment(int spins) const;
   void stay_up(std::size_t index) const;
   bool steps(std::size_t index) const { return index < stepping_.load(std::memory_order_acquire); }
-  void choose_active(std::chrono::steady_clock::duration step);
 
   std::size_t threads_;  // the caller's among them; written before the first run
   Tracer* tracer_;
-  const bool crowded_;                            // there are more threads than cores, so waiting yields the core
-  int awake_ = 0;                                 // how many Awake there are
-  std::size_t active_;                            // threads of the next step
+  const bool crowded_;  // there are more threads than cores, so waiting yields the core
+  int awake_ = 0;       // how many Awake there are
+  ThreadChoice choice_;
   std::chrono::steady_clock::duration waited_{};  // of this step, the caller for others
-  int fewer_ = 0, good_ = 0;                      // steps with fewer threads that are to come; good ones in a row
-  int pause_ = kShortPause;                       // as many after the next that is held up
   JobSystem host_;
   std::unique_ptr<Share[]> shares_;
   // The call of the open run. Relaxed: Share::next orders both.

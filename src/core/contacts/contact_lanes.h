@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/column.h"
+#include "base/elementary.h"
 #include "bodies/body_properties.h"
 #include "contacts/contact_model.h"
 
@@ -51,7 +52,7 @@ struct ContactLanes {
   void fill_all(ContactModel model, const MixingRules& rules, std::size_t begin, std::size_t end,
                 const BodyProperties& both);
   void put(ContactModel model, std::size_t lane, float normal_impulse, float tangent_impulse) {
-    impulse[lane] = normal_impulse > 0 ? normal_impulse : 0.0f;  // open contacts have an impulse of -0
+    impulse[lane] = greater(normal_impulse, 0.0f);  // open contacts have an impulse of -0
     if (model.rough()) friction[lane] = tangent_impulse;
   }
   static constexpr std::uint32_t kNoLane = 0xFFFFFFFFu;

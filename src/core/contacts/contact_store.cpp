@@ -11,13 +11,6 @@ namespace {
 using kernels::kBlock;
 using Class = ContactClass;
 
-// The lane in which the pair (a, b), in either order, was laid out before; or none.
-std::uint32_t find_pair(const PairTable& old, std::uint32_t a, std::uint32_t b) {
-  if (a >= old.body_count || b >= old.body_count) return ContactLanes::kNoLane;
-  const std::uint32_t pair = old.find(a, b);
-  return pair == PairTable::kNoPair ? ContactLanes::kNoLane : old.contact[pair];
-}
-
 std::uint32_t find_static(const PairTable& old, std::uint32_t body, std::uint32_t shape) {
   if (body >= old.body_count) return ContactLanes::kNoLane;
   const std::vector<StaticPair>& list = old.static_contacts[old.strip_of(body)];
@@ -27,7 +20,7 @@ std::uint32_t find_static(const PairTable& old, std::uint32_t body, std::uint32_
 }
 
 // Whether any contact of the strip belongs to a body under a heavy load.
-bool any_loaded(const PairTable& table, std::size_t index, const HeavyLoads& loads) {
+bool has_loaded(const PairTable& table, std::size_t index, const HeavyLoads& loads) {
   const Strip& s = table.strips[index];
   for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
     if (loads.at(table.owner[p]) || loads.at(table.other[p])) return true;
@@ -106,25 +99,32 @@ class Layout {
 void ContactStore::colour_strip(PairTable& table, std::size_t index) {
   Strip& s = table.strips[index];
   Class::Counts& counts = pairs.counts[index];
-  counts.fill(0);
-  s.loaded = loads_.any() && any_loaded(table, index, loads_);
-  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
-    used_[table.owner[p]] = 0;
-    used_[table.other[p]] = 0;
-  }
-  const std::uint32_t last = s.loaded ? Class::kLoaded : Class::kColours;
-  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
-    const std::uint32_t a = table.owner[p], b = table.other[p];
-    const bool loaded = s.loaded && (loads_.at(a) || loads_.at(b));
-    const std::uint32_t taken = used_[a] | used_[b] | (loaded ? (1u << Class::kLoaded) - 1 : 0);
+  s.loaded = loads_.any() && has_loaded(table, index, loads_);
+  // Numbers that stores of colours might change, for all that the compiler knows, are held in variables of this function.
+  const std::uint32_t begin = s.pair_begin, end = s.pair_end;
+  const std::uint32_t *const owner = table.owner.data(), *const other = table.other.data();
+  std::uint32_t* const used = used_.data();
+  std::uint8_t* const colour = colour_.data();
+  for (std::uint32_t p = begin; p < end; ++p) used[owner[p]] = used[other[p]] = 0;
+  const bool any_loaded = s.loaded;
+  const std::uint32_t last = any_loaded ? Class::kLoaded : Class::kColours;
+  Class::Counts number{};
+  std::uint32_t now = kNoSlot, taken_of_owner = 0;
+  for (std::uint32_t p = begin; p < end; ++p) {
+    const std::uint32_t a = owner[p], b = other[p];
+    taken_of_owner = a == now ? taken_of_owner : used[a];
+    now = a;
+    const bool loaded = any_loaded && (loads_.at(a) || loads_.at(b));
+    const std::uint32_t taken = taken_of_owner | used[b] | (loaded ? (1u << Class::kLoaded) - 1 : 0);
     auto c = static_cast<std::uint32_t>(std::countr_zero(~taken));
     if (c >= (loaded ? Class::kColours : last)) c = loaded ? Class::kLoadedOverflow : Class::kOverflow;
     const std::uint32_t bit = c < Class::kColours ? 1u << c : 0u;
-    used_[a] |= bit;
-    used_[b] |= bit;
-    colour_[p] = static_cast<std::uint8_t>(c);
-    ++counts[c];
+    used[a] = taken_of_owner |= bit;
+    used[b] |= bit;
+    colour[p] = static_cast<std::uint8_t>(c);
+    ++number[c];
   }
+  counts = number;
 }
 
 std::uint32_t ContactStore::colour_of_static(const Strip& s, const StaticPair& static_pair, std::uint32_t sequence) {
@@ -133,8 +133,9 @@ std::uint32_t ContactStore::colour_of_static(const Strip& s, const StaticPair& s
 }
 
 // Lays out the pairs of a strip in order. Calls each(pair, lane) once all is set but the impulses and the pair's `contact`.
-template <class Each>
-void ContactStore::lay_out_pairs(PairTable& table, std::size_t index, const Each& each) {
+// properties(slot) is asked where bodies differ.
+template <class Properties, class Each>
+void ContactStore::lay_out_pairs(PairTable& table, std::size_t index, const Properties& properties, const Each& each) {
   const BodyStore& b = s_.bodies;
   const Strip& s = table.strips[index];
   const Class::Counts& counts = pairs.counts[index];
@@ -145,13 +146,12 @@ void ContactStore::lay_out_pairs(PairTable& table, std::size_t index, const Each
                    *alike_);
   }
   lanes.each_empty(counts, [&](std::uint32_t lane) { pairs.pad(model_, lane, solved_.dummies_of(index)); });
-  const auto properties_of = [&](std::uint32_t slot) -> const BodyProperties& { return b.properties(b.id[slot]); };
   for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
     const std::uint32_t i = table.owner[p], j = table.other[p], at = lanes.take(colour_[p]);
     pairs.body[2 * std::size_t{at}] = solved_.number(i);
     pairs.body[2 * std::size_t{at} + 1] = solved_.number(j);
     pairs.rsum[at] = b.radius[i] + b.radius[j];
-    if (material && alike_ == nullptr) pairs.fill(model_, s_.mixing, at, properties_of(i), properties_of(j));
+    if (material && alike_ == nullptr) pairs.fill(model_, s_.mixing, at, properties(i), properties(j));
     each(p, at);
     table.contact[p] = at;
   }
@@ -160,14 +160,21 @@ void ContactStore::lay_out_pairs(PairTable& table, std::size_t index, const Each
 // The lanes of old pairs into `contact`, in a loop of its own: there they are looked for one after the other, and the
 // impulses are on their way when they are asked for.
 void ContactStore::find_lanes(PairTable& table, std::size_t index, const PairTable& old, const std::uint32_t* from) {
-  const Strip& s = table.strips[index];
-  const auto was = [&](std::uint32_t slot) { return from != nullptr ? from[slot] : slot; };
-  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
-    const std::uint32_t lane = find_pair(old, was(table.owner[p]), was(table.other[p]));
-    table.contact[p] = lane;
+  const std::uint32_t begin = table.strips[index].pair_begin, end = table.strips[index].pair_end;
+  const std::uint32_t *const owner = table.owner.data(), *const other = table.other.data();
+  std::uint32_t* const contact = table.contact.data();
+  const float* const impulse = pairs.old_impulse.data();
+  const float* const friction = model_.rough() ? pairs.old_friction.data() : nullptr;
+  const auto was = [from](std::uint32_t slot) { return from != nullptr ? from[slot] : slot; };
+  const std::uint32_t bodies = old.body_count;
+  for (std::uint32_t p = begin; p < end; ++p) {
+    const std::uint32_t a = was(owner[p]), b = was(other[p]);
+    const std::uint32_t pair = std::max(a, b) < bodies ? old.find(a, b) : PairTable::kNoPair;
+    const std::uint32_t lane = pair == PairTable::kNoPair ? ContactLanes::kNoLane : old.contact[pair];
+    contact[p] = lane;
     if (lane == ContactLanes::kNoLane) continue;
-    PSIM_PREFETCH(pairs.old_impulse.data() + lane);
-    if (model_.rough()) PSIM_PREFETCH(pairs.old_friction.data() + lane);
+    PSIM_PREFETCH(impulse + lane);
+    if (friction != nullptr) PSIM_PREFETCH(friction + lane);
   }
 }
 
@@ -194,7 +201,9 @@ void ContactStore::renew(bool static_contacts, PairTable& table) {
   place_strips(table);
   // The pairs that the strip kept come first, as before; then come those of renewed bodies in order.
   auto before = lifted_.cbegin();
-  lay_out_pairs(table, table.strips.size() - 1, [&](std::uint32_t p, std::uint32_t at) {
+  const BodyStore& b = s_.bodies;
+  const auto properties_of = [&b](std::uint32_t slot) -> const BodyProperties& { return b.properties(b.id[slot]); };
+  lay_out_pairs(table, table.strips.size() - 1, properties_of, [&](std::uint32_t p, std::uint32_t at) {
     const std::uint32_t i = table.owner[p], j = table.other[p];
     if (p >= table.renewed_begin) {
       while (before != lifted_.cend() && (before->owner != i ? before->owner < i : before->other < j)) ++before;
@@ -251,6 +260,22 @@ void ContactStore::begin(ContactModel model, const BodyProperties* alike, PairTa
   used_.reserve(kernels::round_up_block(s_.bodies.count));
   colour_.reserve_loosely(table.pair_room);
   table.contact.reserve_loosely(table.pair_room);
+  if (alike_ == nullptr && (model_.massed() || model_.bounce)) {
+    find_entries();
+  } else {
+    entry_.release();
+  }
+}
+
+// The way from a slot to its properties goes through two columns that lie in another order.
+void ContactStore::find_entries() {
+  const BodyStore& b = s_.bodies;
+  entry_.reserve(kernels::round_up_block(b.count));
+  run_stream(b.blocks(), s_.pool, [&](BlockRange r) {
+    for (std::uint32_t i = r.begin * kBlock; i < std::min(b.count, r.end * kBlock); ++i) {
+      entry_[i] = b.id[i] == kNoSlot ? 0 : b.info[b.id[i]].properties;
+    }
+  });
 }
 
 void ContactStore::colour(PairTable& table, std::size_t begin, std::size_t end) {
@@ -290,9 +315,12 @@ void ContactStore::lay_out(PairTable& table, const PairTable& old, const std::ui
     laying_ = true;
   }
   const auto was = [&](std::uint32_t slot) { return from != nullptr ? from[slot] : slot; };
+  const auto properties_of = [&](std::uint32_t slot) -> const BodyProperties& {
+    return s_.bodies.property_table[entry_[slot]];
+  };
   s_.pool.run(end - begin, [&](std::size_t n) {
     find_lanes(table, begin + n, old, from);
-    lay_out_pairs(table, begin + n, [&](std::uint32_t p, std::uint32_t at) {
+    lay_out_pairs(table, begin + n, properties_of, [&](std::uint32_t p, std::uint32_t at) {
       const std::uint32_t before = table.contact[p];
       pairs.carry(model_, at, before);
       if (before != ContactLanes::kNoLane || recent.empty()) return;

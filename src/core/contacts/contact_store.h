@@ -80,8 +80,9 @@ class ContactStore {
   /// O(edges of which another one may take over in the step).
   void follow_edges(const kernels::BodyView& bodies, double h);
 
-  /// Makes room for so many contacts, which are laid out later.
-  void spare(std::size_t pair_lanes, std::size_t static_lanes) {
+  /// Makes room for so many contacts, which are laid out later, of so many bodies whose properties differ.
+  void spare(std::size_t bodies, std::size_t pair_lanes, std::size_t static_lanes) {
+    entry_.reserve(kernels::round_up_block(bodies));
     colour_.reserve(pair_lanes);
     make_room(pair_lanes, static_lanes);
   }
@@ -106,8 +107,9 @@ class ContactStore {
   void colour_strip(PairTable& table, std::size_t strip);
   void place_strips(PairTable& table);
   void find_lanes(PairTable& table, std::size_t strip, const PairTable& old, const std::uint32_t* from);
-  template <class Each>
-  void lay_out_pairs(PairTable& table, std::size_t strip, const Each& each);
+  void find_entries();
+  template <class Properties, class Each>
+  void lay_out_pairs(PairTable& table, std::size_t strip, const Properties& properties, const Each& each);
   template <class LaneBefore>
   void lay_out_statics(PairTable& table, const TouchMemory& recent, std::size_t strip, const LaneBefore& lane_before);
   void recall(const Touch* touch, std::uint32_t id, ContactLanes& lanes, std::size_t lane);
@@ -125,6 +127,7 @@ class ContactStore {
   const BodyProperties* alike_ = nullptr;
   Column<std::uint32_t> used_{s_.memory};   // by slot: the colours that are taken
   Column<std::uint8_t> colour_{s_.memory};  // by pair
+  Column<std::uint32_t> entry_{s_.memory};  // by slot: the entry in the table of properties, where bodies differ
   std::uint32_t colours_ = 0;
   std::uint64_t loaded_blocks_ = 0, builds_ = 0;
   std::vector<PairImpulse> lifted_;  // of the last strip

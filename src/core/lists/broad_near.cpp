@@ -31,14 +31,16 @@ double NearSearch::expected(std::size_t strip) const {
 }
 
 // The pieces of one strip run one after the other, because they write to one list.
-bool NearSearch::run(PairTable& table, std::size_t begin, std::size_t end) {
+bool NearSearch::run(PairTable& table, bool links, std::size_t begin, std::size_t end) {
   const std::span<const Piece> pieces = std::span(pieces_).subspan(begin, end - begin);
   const std::size_t first = pieces.front().strip;
   s_.pool.run(pieces.back().strip + 1 - first, [&](std::size_t n) {
     auto piece = std::ranges::lower_bound(pieces, first + n, {}, &Piece::strip);
     for (; piece != pieces.end() && piece->strip == first + n; ++piece) {
       search(*piece, table);
-      if (piece->end == table.strips[first + n].body_end) link_strip(table, first + n, s_.bodies.linked.data());
+      if (links && piece->end == table.strips[first + n].body_end) {
+        link_strip(table, first + n, s_.bodies.linked.data());
+      }
     }
   });
   if (end != pieces_.size()) return false;
@@ -53,14 +55,16 @@ bool NearSearch::run(PairTable& table, std::size_t begin, std::size_t end) {
 }
 
 void link_strip(const PairTable& table, std::size_t index, std::uint8_t* linked) {
-  const Strip& s = table.strips[index];
+  // Bytes may be anything's, so that the compiler would load what it knows of the strip after each mark.
+  const std::uint32_t begin = table.strips[index].pair_begin, end = table.strips[index].pair_end;
+  const std::uint32_t *const owner = table.owner.data(), *const other = table.other.data();
   // Relaxed: several strips may store the same mark, which is read after the run.
   const auto mark = [=](std::uint32_t slot) {
     std::atomic_ref<std::uint8_t>(linked[slot]).store(0xFF, std::memory_order_relaxed);
   };
-  for (std::uint32_t p = s.pair_begin; p < s.pair_end; ++p) {
-    mark(table.owner[p]);
-    mark(table.other[p]);
+  for (std::uint32_t p = begin; p < end; ++p) {
+    mark(owner[p]);
+    mark(other[p]);
   }
   for (const StaticPair& pair : table.static_contacts[index]) mark(pair.body);
 }

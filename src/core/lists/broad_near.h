@@ -20,9 +20,9 @@ class NearSearch {
   };
   /// Cuts the pieces.
   void begin(const PairTable& table);
-  /// Finds the walls and fixed shapes near the bodies of pieces [begin, end), and links the bodies of strips that are
-  /// complete. True with the last.
-  bool run(PairTable& table, std::size_t begin, std::size_t end);
+  /// Finds the walls and fixed shapes near the bodies of pieces [begin, end) and, if it `links`, marks the bodies of strips
+  /// that are complete as linked. True with the last.
+  bool run(PairTable& table, bool links, std::size_t begin, std::size_t end);
   std::size_t pieces() const { return pieces_.size(); }
   const Piece& piece(std::size_t k) const { return pieces_[k]; }
 

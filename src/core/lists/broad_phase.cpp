@@ -129,8 +129,8 @@ void BroadPhase::search(PairTable& table, std::size_t begin, std::size_t end) {
   if (search_.run(table, begin, end)) near_.begin(table);
 }
 
-void BroadPhase::find_near(PairTable& table, std::size_t begin, std::size_t end) {
-  if (near_.run(table, begin, end)) table.mark_strips();
+void BroadPhase::find_near(PairTable& table, bool links, std::size_t begin, std::size_t end) {
+  if (near_.run(table, links, begin, end)) table.mark_strips();
 }
 
 // Lists for one step used the places that bodies will have; from now on `built` holds their present places.
@@ -146,7 +146,7 @@ void BroadPhase::find_lists(PairTable& table) {
     search(table, done, all);
     done = all;
   } while (done != search_.searches());
-  find_near(table, 0, near_.pieces());
+  find_near(table, true, 0, near_.pieces());
 }
 
 void BroadPhase::build_again(PairTable& table) {

@@ -50,7 +50,8 @@ class BroadPhase {
   ///   count      the cell of each body
   ///   move       bodies to their cells, in cells().moves() pieces; the columns change with the last piece
   ///   search     candidate pairs; pairs().searches() grows when a search ran out of room, until all are done
-  ///   find_near  bodies near fixed shapes, and which bodies are linked, in near().pieces() pieces
+  ///   find_near  bodies near fixed shapes and, if it `links`, which bodies are linked (a selection finds that out
+  ///              itself), in near().pieces() pieces
   ///   finish     `built` holds the places of the bodies from now on
   /// Pieces run in ascending ranges [begin, end). They fill `table`; cells().from() maps slots to the slots before.
   void measure(const BroadPhaseParams& params);
@@ -58,7 +59,7 @@ class BroadPhase {
   void move(std::size_t begin, std::size_t end);  ///< from the end of the last piece on, bodies lie in the new order
   void open(PairTable& table);
   void search(PairTable& table, std::size_t begin, std::size_t end);
-  void find_near(PairTable& table, std::size_t begin, std::size_t end);
+  void find_near(PairTable& table, bool links, std::size_t begin, std::size_t end);
   void finish() const;
   /// search() and find_near() to their ends.
   void find_lists(PairTable& table);

@@ -285,11 +285,26 @@ bool NeighbourLists::move(std::size_t begin, std::size_t end) {
   return last;
 }
 
-void NeighbourLists::select(const ListSettings& world, double dt, std::size_t begin, std::size_t end) {
+// How far impacts within dt seconds may move the bodies of a strip against each other, m. Where masses differ,
+// thrown.reach() has that, body by body.
+double NeighbourLists::slack(const ListSettings& world, double dt, std::size_t strip) const {
   constexpr double kReserve = 8;  // of the r.m.s. speed: all of the sample's speed where one body in 64 moves
+  const double least = impact_slack(world, 0, 1, dt);
+  if (world.uneven) return least;
+  const double speed = lesser(made.speed, kReserve * speeds.at(strip));
+  // A row that meets a heap stops within the step, and the next row, which moves as it did, is to be known to follow.
+  return greater(impact_slack(world, speed, made.crowding, dt), least + kMarginFrames * speeds.closing(strip) * dt);
+}
+
+void NeighbourLists::select(const ListSettings& world, double dt, std::size_t begin, std::size_t end) {
   if (begin == 0) {
     std::swap(table, old_table);
-    speeds.measure(candidates.strips, world.uneven, kMarginFrames * dt);
+    if (world.uneven) {
+      thrown.measure(candidates);
+      thrown.find_reach(made.speed, dt);
+    } else {
+      speeds.measure(candidates.strips);
+    }
     keep_if(true, candidates.owner.capacity(), picked_owner, picked_other);
     table.large_begin = candidates.large_begin;
     table.strips.assign(candidates.strips.begin(), candidates.strips.end());
@@ -299,18 +314,14 @@ void NeighbourLists::select(const ListSettings& world, double dt, std::size_t be
   kernels::PairSelection selection;
   selection.owner = candidates.owner.data();
   selection.other = candidates.other.data();
-  selection.radius = surroundings.bodies.radius.data();
+  selection.radius = world.uneven ? thrown.reach() : surroundings.bodies.radius.data();
   selection.pitch_x = static_cast<float>(surroundings.lattice.pitch_x());
   selection.pitch_y = static_cast<float>(surroundings.lattice.pitch_y());
   selection.time = static_cast<float>(kMarginFrames * dt);
   surroundings.pool.run(end - begin, [&](std::size_t n) {
     Strip& s = table.strips[begin + n];
     kernels::PairSelection mine = selection;
-    const double speed = lesser(made.speed, kReserve * speeds.at(begin + n));
-    // A row that meets a heap stops within the step, and the next row, which moves as it did, is to be known to follow.
-    const double met = kMarginFrames * speeds.closing(begin + n) * dt;
-    mine.slack =
-        static_cast<float>(greater(impact_slack(world, speed, made.crowding, dt), impact_slack(world, 0, 1, dt) + met));
+    mine.slack = static_cast<float>(slack(world, dt, begin + n));
     mine.out_owner = picked_owner.data() + s.pair_begin;
     mine.out_other = picked_other.data() + s.pair_begin;
     s.pair_end = s.pair_begin + surroundings.kernels.select_pairs(view, mine, s.pair_begin, s.pair_end);

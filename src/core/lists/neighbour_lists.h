@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "lists/broad_phase.h"
+#include "lists/impact_speeds.h"
 #include "lists/pair_table.h"
 #include "lists/renewal.h"
-#include "lists/strip_speeds.h"
 #include "psim/desc.h"
 
 namespace psim {
@@ -72,9 +72,10 @@ struct NeighbourLists {
   /// persistent lists have begun a new table.
   bool move(std::size_t begin, std::size_t end);
   /// Selects from the candidates of strips [begin, end) the pairs that can meet within dt seconds at their present
-  /// relative velocity u, into a new table: gap < |u| time + slack of the strip. Sets bodies.linked. O(candidates).
-  /// No slack is more than what speeds all over the world ask for; it is less where all move alike
-  /// (docs/decisions/013-slack-by-strip.md).
+  /// relative velocity u, into a new table: gap < |u| time + slack. Sets bodies.linked. O(candidates).
+  /// No slack is more than what speeds all over the world ask for; it is less where all move alike: in a strip
+  /// (docs/decisions/013-slack-by-strip.md) or, where masses differ, near a body
+  /// (docs/decisions/032-slack-by-segment.md).
   void select(const ListSettings& world, double dt, std::size_t begin, std::size_t end);
   /// Packs the selected pairs of strips [begin, end) side by side, after all strips were selected.
   void pack(std::size_t begin, std::size_t end);
@@ -83,13 +84,15 @@ struct NeighbourLists {
     const std::uint32_t bodies = surroundings.bodies.count;
     return !selects() && bodies >= BroadPhase::kSmallWorld && bodies == table.body_count;
   }
-  std::size_t bytes() const { return renewal.bytes() + speeds.bytes() + broad.common().bytes(); }
+  std::size_t bytes() const { return renewal.bytes() + speeds.bytes() + thrown.bytes() + broad.common().bytes(); }
   CommonMotion::Fixed fixed_of(const WorldDesc& desc) const;
+  double slack(const ListSettings& world, double dt, std::size_t strip) const;
 
   const Surroundings surroundings;
   BroadPhase broad{surroundings};
   ListRenewal renewal{surroundings, broad};
-  StripSpeeds speeds{surroundings};
+  StripSpeeds speeds{surroundings};    ///< where masses are alike
+  SegmentSpeeds thrown{surroundings};  ///< where they differ
   Column<std::uint32_t> picked_owner{surroundings.memory}, picked_other{surroundings.memory};  ///< not yet packed
   PairTable table{surroundings.memory}, old_table{surroundings.memory}, candidates{surroundings.memory};
   ListMode mode = ListMode::persistent;

@@ -69,8 +69,9 @@ struct SweepCost {
 };
 inline constexpr SweepCost kFirstSweep = {0.15, 1.6}, kNextSweep = {0.1, 0.25}, kNextMixedSweep = {0, 2};
 inline constexpr double kSweepStrips = 0.7;  // on UnitCosts::strip
-// On UnitCosts::sort, a body: how fast bodies move is asked of a few in a strip, of all where masses differ.
-inline constexpr double kSpeeds = 0.1, kUnevenSpeeds = 0.36;
+// On UnitCosts::sort, a body: how fast bodies move is asked of a few in a strip. On UnitCosts::select, a candidate: where
+// masses differ, it is asked of what is near each.
+inline constexpr double kSpeeds = 0.1, kSegmentSpeeds = 1.5;
 // On UnitCosts::column: a manifold that stays in its lane. On keep: a manifold that is copied to be remembered.
 inline constexpr double kInItsLane = 0.1, kRemembered = 0.6;
 // On the looks at manifolds whose lists serve several frames: such manifolds last less often.

@@ -107,7 +107,7 @@ void search(StepContext& c, const Span&, StepReport&, PieceRange p) {
 }
 
 void near(StepContext& c, const Span&, StepReport& report, PieceRange p) {
-  c.neighbours.broad.find_near(c.neighbours.found(), p.begin, p.end);
+  c.neighbours.broad.find_near(c.neighbours.found(), !c.neighbours.selects(), p.begin, p.end);
   if (p.end == c.neighbours.broad.near().pieces()) report.rebuilt = true;
 }
 
@@ -254,7 +254,7 @@ double lay_out_ns(const UnitCosts& ns, const WorkCounts& w) {
          (w.has.loads ? kLoads : 1);
 }
 double speeds_ns(const UnitCosts& ns, const WorkCounts& w) {
-  return (w.has.uneven ? kUnevenSpeeds : kSpeeds) * ns.sort * n(w.bodies);
+  return kSpeeds * ns.sort * n(w.bodies) + (w.has.uneven ? kSegmentSpeeds * ns.select * n(w.lists.candidates) : 0);
 }
 
 double check_bodies(const UnitCosts& ns, const StepContext& c) {

@@ -243,6 +243,7 @@ void spare_room(Owners& w) {
   lists.broad.spare(bodies.count, all);
   keep_if(true, lists.candidates.owner.capacity(), lists.picked_owner, lists.picked_other);
   if (bodies.count >= BroadPhase::kSmallWorld) lists.renewal.spare(bodies.count);
+  if (w.plan.uneven) lists.thrown.spare(bodies.count);
   for (Column<float>* of : {&bodies.vel, &bodies.disp, &bodies.vel0}) of->reserve(2 * all);
   bodies.pos.reserve(2 * all);
   if (w.plan.manifolds && !lists.table.strips.empty()) {
@@ -251,7 +252,8 @@ void spare_room(Owners& w) {
     contacts.manifolds.spare(std::max<std::size_t>(2 * contacts.manifolds.pair_count(), most),
                              lists.table.strips.size());
   }
-  contacts.discs.spare(std::max<std::size_t>(2 * kernels::kBlock * contacts.discs.pairs.blocks,
+  contacts.discs.spare(w.plan.materials ? bodies.count : 0,
+                       std::max<std::size_t>(2 * kernels::kBlock * contacts.discs.pairs.blocks,
                                              (w.plan.radii ? 8 : 5) * std::size_t{bodies.count}),
                        2 * kernels::kBlock * contacts.discs.fixed.blocks + 1024);
   if (!w.plan.forces && !w.plan.turns && !w.plan.restraints) {

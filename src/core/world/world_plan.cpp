@@ -83,6 +83,7 @@ void apply_plan(Owners& w) {
   w.statics.find_whole(plan.manifolds);
   if (w.sorted_out && !w.sorts_out()) w.contacts.manifolds.release();
   w.sorted_out = w.sorts_out();
+  if (left(&Plan::uneven)) w.neighbours.thrown.release();
   if (left(&Plan::manifolds)) {
     w.contacts.stacks.release();
     bodies.hulls.give_back();
@@ -131,6 +132,7 @@ std::vector<PlanEntry> World::plan() const try {
   // Contacts with friction have masses, too.
   count(plan.friction && !plan.masses ? "solver.friction" : "solver.masses",
         c.pairs.mass_bytes() + c.fixed.mass_bytes());
+  count(plan.masses ? "solver.masses" : "manifolds", w.neighbours.thrown.bytes() + w.neighbours.thrown.column_bytes());
   count("solver.friction", c.pairs.friction_bytes() + c.fixed.friction_bytes());
   count("solver.heavy_loads", w.contacts.loads.bytes() + w.contacts.squeezed.bytes());
   count("rotation",

@@ -1,0 +1,99 @@
+// How many threads a step has: after a worker that lost its core, and for steps too small to share.
+#include "base/thread_choice.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstddef>
+#include <functional>
+
+namespace psim::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+// Lets steps run that take as long as `time` says for a number of threads; returns how many of them had one.
+int alone_of(int steps, ThreadChoice& choice, const std::function<ThreadChoice::Duration(std::size_t)>& time) {
+  int alone = 0;
+  for (int k = 0; k < steps; ++k) {
+    alone += choice.active() == 1;
+    choice.note(time(choice.active()), 0us);
+  }
+  return alone;
+}
+
+TEST(ThreadChoice, LongStepsHaveAllThreads) {
+  ThreadChoice choice(8, false);
+  EXPECT_EQ(choice.active(), 8u);
+  EXPECT_EQ(alone_of(3000, choice, [](std::size_t threads) { return threads == 1 ? 160us : 300us; }), 0);
+}
+
+TEST(ThreadChoice, ASmallStepHasOneThreadWhereThatIsSooner) {
+  for (const std::size_t threads : {2, 16}) {
+    ThreadChoice choice(threads, false);
+    EXPECT_GE(alone_of(10'000, choice, [](std::size_t n) { return n == 1 ? 49us : 76us; }), 9'800) << threads;
+  }
+}
+
+TEST(ThreadChoice, ASmallStepHasAllThreadsWhereThatIsSooner) {
+  ThreadChoice choice(2, false);
+  EXPECT_LE(alone_of(10'000, choice, [](std::size_t n) { return n == 1 ? 90us : 60us; }), 200);
+}
+
+// One step in three makes lists, which takes longer: the shortest of some are compared.
+TEST(ThreadChoice, StepsThatMakeListsDoNotDecide) {
+  ThreadChoice choice(2, false);
+  int n = 0;
+  const auto time = [&](std::size_t threads) {
+    const auto lists = ++n % 3 == 0 ? 70us : 0us;
+    return (threads == 1 ? 49us : 76us) + lists;
+  };
+  EXPECT_GE(alone_of(10'000, choice, time), 9'500);
+}
+
+TEST(ThreadChoice, AStepThatGrowsHasAllThreadsAtOnce) {
+  ThreadChoice choice(4, false);
+  alone_of(100, choice, [](std::size_t n) { return n == 1 ? 20us : 40us; });
+  ASSERT_EQ(choice.active(), 1u);
+  choice.note(250us, 0us);
+  EXPECT_EQ(choice.active(), 4u);
+  EXPECT_EQ(alone_of(1000, choice, [](std::size_t n) { return n == 1 ? 800us : 240us; }), 0);
+}
+
+TEST(ThreadChoice, WhatWasSoonerIsTriedAgain) {
+  ThreadChoice choice(2, false);
+  alone_of(100, choice, [](std::size_t n) { return n == 1 ? 20us : 40us; });
+  ASSERT_EQ(choice.active(), 1u);
+  const auto now = [](std::size_t n) { return n == 1 ? 140us : 80us; };
+  alone_of(1100, choice, now);
+  EXPECT_EQ(choice.active(), 2u);
+  EXPECT_LE(alone_of(1000, choice, now), 8);
+}
+
+TEST(ThreadChoice, HalfOfTheThreadsAfterAStepThatWasHeldUp) {
+  ThreadChoice choice(8, false);
+  choice.note(10ms, 4ms);
+  EXPECT_EQ(choice.active(), 8u);
+  for (const int steps : {4, 8, 16, 32, 64, 64}) {
+    choice.note(10ms, 6ms);
+    for (int k = 0; k < steps; ++k) {
+      EXPECT_EQ(choice.active(), 4u) << steps;
+      choice.note(10ms, 6ms);
+    }
+    EXPECT_EQ(choice.active(), 8u) << steps;
+  }
+}
+
+TEST(ThreadChoice, OneThreadAndMoreThreadsThanCoresStayAsTheyAre) {
+  ThreadChoice one(1, false), crowded(4, true);
+  for (int k = 0; k < 100; ++k) {
+    one.note(20us, 0us);
+    crowded.note(10ms, 9ms);
+    ASSERT_EQ(one.active(), 1u);
+    ASSERT_EQ(crowded.active(), 4u);
+  }
+}
+
+}  // namespace
+}  // namespace psim::test
