@@ -107,17 +107,20 @@ void SegmentSpeeds::find_boxes(const Run& run) {
 void SegmentSpeeds::find_edges(const PairTable& table, std::size_t index) {
   const std::uint32_t begin = table.strips[index].pair_begin, end = table.strips[index].pair_end;
   const std::uint32_t *const owner = table.owner.data(), *const other = table.other.data();
-  const Run mine = parts_[index].run, next = parts_[index + 1 < parts_.size() ? index + 1 : 0].run;
+  const Run mine = parts_[index].run;
+  Run there = parts_[index + 1 < parts_.size() ? index + 1 : 0].run;  // where the last partner in another strip was
   std::vector<Edge>& edges = parts_[index].edges;
   edges.clear();
   std::array<std::uint32_t, 4> last{};
   std::uint32_t now = kNoSlot, n = 0;
   for (std::uint32_t p = begin; p < end; ++p) {
     const std::uint32_t j = other[p], a = mine.of(owner[p]);
-    const std::uint32_t b = mine.has(j) ? mine.of(j) : next.has(j) ? next.of(j) : segment_of(table.strip_of(j), j);
+    const bool here = mine.has(j);
+    if (!here && !there.has(j)) there = parts_[table.strip_of(j)].run;
+    const std::uint32_t b = here ? mine.of(j) : there.of(j);
     if (a != now) last.fill(a);
     now = a;
-    if (b == a || ((last[0] == b) | (last[1] == b) | (last[2] == b) | (last[3] == b)) != 0) continue;
+    if (b == a || std::ranges::find(last, b) != last.end()) continue;
     last[n++ % 4] = b;
     edges.push_back({a, b});
   }
