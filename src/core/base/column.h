@@ -10,6 +10,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "base/os.h"
 #include "block_layout.h"
 
 namespace psim {
@@ -54,10 +55,9 @@ class Column {
     const std::size_t wanted = kernels::round_up_block(std::max(n, capacity_ + capacity_ / 8));
     const std::size_t size = bytes_for(wanted), before = bytes();
     if (size - before > meter_->most - std::min(meter_->bytes, meter_->most)) throw std::bad_alloc();
-    T* fresh = static_cast<T*>(::operator new(size, kAlignment));
+    T* fresh = static_cast<T*>(take(size, before));
     if (before != 0) std::memcpy(static_cast<void*>(fresh), data_, before);
-    std::memset(static_cast<void*>(reinterpret_cast<char*>(fresh) + before), 0, size - before);
-    ::operator delete(data_, kAlignment);
+    drop();
     data_ = fresh;
     capacity_ = wanted;
     meter_->bytes += size - before;
@@ -69,9 +69,14 @@ class Column {
     if (n > capacity_) reserve(n + n / 8 + 1024);
   }
 
+  /// Gives the memory back if there is no room for n values, so that growth need not copy values that are written anew.
+  void release_if_short(std::size_t n) {
+    if (n > capacity_) release();
+  }
+
   /// Gives the memory back.
   void release() {
-    ::operator delete(data_, kAlignment);
+    drop();
     meter_->bytes -= bytes();
     data_ = nullptr;
     capacity_ = 0;
@@ -92,6 +97,17 @@ class Column {
 
  private:
   static constexpr std::align_val_t kAlignment{kernels::kAlign};
+  // Memory that is zero from the byte `zero_from` on.
+  static void* take(std::size_t size, std::size_t zero_from) {
+    if (size >= os::kLargePage) return os::take_pages(size);
+    void* const begin = ::operator new(size, kAlignment);
+    std::memset(static_cast<char*>(begin) + zero_from, 0, size - zero_from);
+    return begin;
+  }
+  void drop() {
+    if (bytes() >= os::kLargePage) return os::give_pages_back(data_, bytes());
+    ::operator delete(data_, kAlignment);
+  }
   static std::size_t bytes_for(std::size_t capacity) {
     const std::size_t size = (capacity + kernels::kReadPad) * sizeof(T);
     return (size + kernels::kAlign - 1) / kernels::kAlign * kernels::kAlign;

@@ -3,6 +3,7 @@
 // do for files to write. No other file of the engine knows its system.
 #pragma once
 
+#include <cstddef>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -25,6 +26,13 @@ using FileToRead = std::unique_ptr<std::FILE, CloseFile>;
 /// Opens a file for reading, byte for byte. Empty, with errno set, if it cannot be opened. A child process does not
 /// inherit the file.
 FileToRead open_to_read(const std::string& name);
+
+/// Memory that is zero, straight from the system, which hands out its pages when they
+/// are touched: where it has such, pages of that size, of which there are fewer to hand out and to look up. Throws
+/// std::bad_alloc.
+inline constexpr std::size_t kLargePage = std::size_t{1} << 21;
+void* take_pages(std::size_t bytes);
+void give_pages_back(void* begin, std::size_t bytes);
 
 /// The time that the calling thread has worked, in ns: waiting and other programs do not count, except on Windows.
 double thread_work_ns();

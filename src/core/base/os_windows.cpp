@@ -1,5 +1,8 @@
+#include <windows.h>
+
 #include <cerrno>
 #include <chrono>
+#include <new>
 
 #include "base/os.h"
 
@@ -21,6 +24,15 @@ FileToRead open_to_read(const std::string& name) {
   if (!file && is_directory(path, ignored)) errno = EISDIR;  // it says EACCES
   return file;
 }
+
+// Pages of 2 MiB take a privilege, and the system aligns to 64 KiB, which is enough for those that there are.
+void* take_pages(std::size_t bytes) {
+  void* const begin = ::VirtualAlloc(nullptr, bytes, MEM_RESERVE | MEM_COMMIT, PAGE_READWRITE);
+  if (begin == nullptr) throw std::bad_alloc();
+  return begin;
+}
+
+void give_pages_back(void* begin, std::size_t) { ::VirtualFree(begin, 0, MEM_RELEASE); }
 
 // The thread's own times come in steps of 16 ms, so the clock has to do: who measures takes the least of several.
 double thread_work_ns() {

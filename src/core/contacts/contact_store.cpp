@@ -258,7 +258,9 @@ void ContactStore::begin(ContactModel model, const BodyProperties* alike, PairTa
   pairs.counts.resize(std::max(pairs.counts.size(), table.strips.size()));
   fixed.counts.resize(pairs.counts.size());
   used_.reserve(kernels::round_up_block(s_.bodies.count));
+  colour_.release_if_short(table.pair_room);
   colour_.reserve_loosely(table.pair_room);
+  table.contact.release_if_short(table.pair_room);
   table.contact.reserve_loosely(table.pair_room);
   if (alike_ == nullptr && (model_.massed() || model_.bounce)) {
     find_entries();

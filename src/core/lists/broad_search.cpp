@@ -69,8 +69,10 @@ void PairSearch::give_room(PairTable& table, bool first) {
     s.pair_end = static_cast<std::uint32_t>(room);
   }
   const auto pairs = static_cast<std::uint32_t>(room);
-  table.owner.reserve_loosely(pairs + kBlock);
-  table.other.reserve_loosely(pairs + kBlock);
+  for (Column<std::uint32_t>* column : {&table.owner, &table.other}) {
+    if (all) column->release_if_short(pairs + kBlock);
+    column->reserve_loosely(pairs + kBlock);
+  }
   table.pair_room = pairs;
 }
 

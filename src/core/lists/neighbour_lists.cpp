@@ -305,7 +305,10 @@ void NeighbourLists::select(const ListSettings& world, double dt, std::size_t be
     } else {
       speeds.measure(candidates.strips);
     }
-    keep_if(true, candidates.owner.capacity(), picked_owner, picked_other);
+    for (Column<std::uint32_t>* picked : {&picked_owner, &picked_other}) {
+      picked->release_if_short(candidates.owner.capacity());
+      picked->reserve(candidates.owner.capacity());
+    }
     table.large_begin = candidates.large_begin;
     table.strips.assign(candidates.strips.begin(), candidates.strips.end());
     broad.begin_table(table, candidates.body_count, world.link_all);

@@ -27,6 +27,9 @@ bool stderr_is_terminal();
 /// The memory that this process may still take: of the machine, of its control group, of its own limit.
 std::uint64_t available_bytes();
 
+/// How often this process touched a page of memory that the system had not given it yet; 0 where the system does not count.
+std::uint64_t page_faults();
+
 /// Why no file can be written into this folder, as errno has it; 0 if one can.
 int folder_error(const std::string& folder);
 

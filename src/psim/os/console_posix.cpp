@@ -54,6 +54,12 @@ std::uint64_t available_bytes() {
   return available;
 }
 
+std::uint64_t page_faults() {
+  struct rusage usage = {};
+  if (::getrusage(RUSAGE_SELF, &usage) != 0) return 0;
+  return static_cast<std::uint64_t>(usage.ru_minflt) + static_cast<std::uint64_t>(usage.ru_majflt);
+}
+
 int folder_error(const std::string& folder) {
   struct stat file = {};
   if (::stat(folder.c_str(), &file) != 0) return errno;

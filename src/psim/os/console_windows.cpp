@@ -2,6 +2,7 @@
 #include <io.h>
 #include <windows.h>
 // After windows.h:
+#include <psapi.h>
 #include <shellapi.h>
 
 #include <atomic>
@@ -58,6 +59,12 @@ std::uint64_t available_bytes() {
   memory.dwLength = sizeof memory;
   ::GlobalMemoryStatusEx(&memory);
   return memory.ullAvailPhys < memory.ullAvailPageFile ? memory.ullAvailPhys : memory.ullAvailPageFile;
+}
+
+std::uint64_t page_faults() {
+  PROCESS_MEMORY_COUNTERS memory{};
+  memory.cb = sizeof memory;
+  return ::K32GetProcessMemoryInfo(::GetCurrentProcess(), &memory, sizeof memory) != 0 ? memory.PageFaultCount : 0;
 }
 
 // Whether its files may be written is up to access lists: the first file will tell.

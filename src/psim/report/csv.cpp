@@ -42,12 +42,12 @@ void write_metrics_header(AtomicFile& file) {
     file.write(",skipped_");
     for (const char c : name) file.write(std::string_view(c == '.' ? "_" : &c, 1));
   }
-  file.write(",most_sweeps,renewed");
+  file.write(",most_sweeps,renewed,page_faults");
   file.write("\n");
 }
 
 void write_metrics_row(AtomicFile& file, std::uint64_t frame, double total_ms, const StepReport& report,
-                       std::uint64_t substeps_saved, const Diagnostics& diagnostics) {
+                       std::uint64_t substeps_saved, std::uint64_t page_faults, const Diagnostics& diagnostics) {
   file.write_number(frame);
   write_field(file, total_ms);
   for (const double ms : phase_ms(report)) write_field(file, ms);
@@ -71,6 +71,7 @@ void write_metrics_row(AtomicFile& file, std::uint64_t frame, double total_ms, c
   }
   write_field(file, static_cast<std::uint64_t>(report.detail.sweeps));
   write_field(file, static_cast<std::uint64_t>(report.renewed));
+  write_field(file, page_faults);
   file.write("\n");
 }
 

@@ -20,7 +20,7 @@ void write_state(AtomicFile& file, const PublishedState& state);
 /// The columns are in docs/performance.md.
 void write_metrics_header(AtomicFile& file);
 void write_metrics_row(AtomicFile& file, std::uint64_t frame, double total_ms, const StepReport& report,
-                       std::uint64_t substeps_saved, const Diagnostics& diagnostics);
+                       std::uint64_t substeps_saved, std::uint64_t page_faults, const Diagnostics& diagnostics);
 
 /// kTrajectoryHeader, then a row a body every frame that is written.
 void write_trajectory_header(AtomicFile& file);

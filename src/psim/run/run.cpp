@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "options/scene_choice.h"
+#include "os/console.h"
 #include "os/interrupt.h"
 #include "output/text.h"
 #include "output/user_error.h"
@@ -122,9 +123,11 @@ void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64
   for (std::uint64_t frame = 1; frame <= report.frames_wanted && !os::interrupted(); ++frame) {
     const bool looked_at = report.profile && report.profile->looks_at(frame);
     if (looked_at) world.start_trace();
+    std::uint64_t faults = files.metrics ? os::page_faults() : 0;
     const Clock::time_point begin = Clock::now();
     const StepReport step = one_step(frame);
     const Clock::time_point end = Clock::now();
+    if (files.metrics) faults = os::page_faults() - faults;
     if (step.no_room_for != nullptr) {
       throw UserError(fmt::format("frame {}: no memory for {}; the world holds {}, and {} are allowed (--memory)",
                                   frame, step.no_room_for, bytes_text(world.memory_bytes()),
@@ -135,7 +138,7 @@ void run_frames(RunReport& report, World& world, OutputFiles& files, std::uint64
     const std::uint64_t saved = add_frame(report, total_ms, step, frame);
     if (files.governor_log) write_details_row(*files.governor_log, frame, step.detail);
     if (files.metrics) {
-      write_metrics_row(*files.metrics, frame, total_ms, step, saved, world.diagnostics());
+      write_metrics_row(*files.metrics, frame, total_ms, step, saved, faults, world.diagnostics());
     }
     if (files.trajectory && frame % every == 0) {
       write_trajectory_rows(*files.trajectory, frame, world.published());
