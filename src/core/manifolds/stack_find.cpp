@@ -15,7 +15,8 @@ constexpr float kSideShare = 0.05f;      // side contacts may carry this share o
 constexpr float kClosed = 0.0002f;       // share of the inner radius: a solve may close a smaller gap
 // A link becomes part of a long stack, and stays so, up to these speeds, in units of what gravity adds in a step.
 constexpr double kCalm = 0.06, kShaken = 1.2;
-constexpr std::size_t kRoom = 64;  // there is room for so many links, and for one for every eight bodies
+constexpr std::uint32_t kFew = 16;  // shapes are few if no more than one in kFew bodies is one
+constexpr std::size_t kRoom = 64;   // there is room for so many links, and for one for every eight bodies
 
 // Whether the bodies of a pair touch.
 bool touch(const BodyStore& b, const ManifoldPair& pair) {
@@ -81,11 +82,19 @@ void Stacks::find_supports(Vec2 gravity) {
       for (const std::uint32_t k : manifolds_.strip(strip).active) visit(k, manifolds_.pairs()[k]);
     });
   };
-  each_active([&](std::uint32_t, const ManifoldPair& pair) {
-    standing_[pair.b] = {};
-    if (pair.a != kNone) standing_[pair.a] = {};
-  });
-  for (const std::uint32_t slot : manifolds_.shaped()) standing_[slot] = {};
+  const std::vector<std::uint32_t>& shaped = manifolds_.shaped();
+  if (shaped.size() > b_.count / kFew) {
+    run_stream(b_.blocks(), pool_, [&](BlockRange r) {
+      const std::uint32_t begin = r.begin * kernels::kBlock, end = std::min(b_.count, r.end * kernels::kBlock);
+      std::fill(standing_.begin() + begin, standing_.begin() + end, Standing());
+    });
+  } else {  // the discs beside them have such numbers, too
+    each_active([&](std::uint32_t, const ManifoldPair& pair) {
+      standing_[pair.b] = {};
+      if (pair.a != kNone) standing_[pair.a] = {};
+    });
+    for (const std::uint32_t slot : shaped) standing_[slot] = {};
+  }
   each_active([&](std::uint32_t k, const ManifoldPair& pair) {
     if (!(g > 0) || !touch(b_, pair)) return;
     const double up = -dot(gravity, {pair.manifold.nx, pair.manifold.ny}) / g;
