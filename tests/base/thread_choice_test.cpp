@@ -30,7 +30,7 @@ TEST(ThreadChoice, LongStepsHaveAllThreads) {
 }
 
 TEST(ThreadChoice, ASmallStepHasOneThreadWhereThatIsSooner) {
-  for (const std::size_t threads : {2, 16}) {
+  for (const std::size_t threads : {std::size_t{2}, std::size_t{16}}) {
     ThreadChoice choice(threads, false);
     EXPECT_GE(alone_of(10'000, choice, [](std::size_t n) { return n == 1 ? 49us : 76us; }), 9'800) << threads;
   }
