@@ -51,7 +51,7 @@ struct EventOptions {
   bool moves = false;     ///< who moved, and whereto
 };
 
-/// What happened in the last step. Each list is ordered by a, then b; those of sensors then by part. The spans are valid
+/// The lists say what happened in the last step. Each is ordered by a, then b; those of sensors then by part. The spans are valid
 /// until the next call that changes the world.
 struct Events {
   std::span<const TouchEvent> begin = {};         ///< touch now and did not before

@@ -1,5 +1,5 @@
 // Operating systems do some things in different ways. This header has those that the engine needs: paths, files to read,
-// the time of a thread. os_posix.cpp and os_windows.cpp hold the two versions, as output_file_posix.cpp and output_file_windows.cpp
+// memory, the time of a thread. os_posix.cpp and os_windows.cpp hold the two versions, as output_file_posix.cpp and output_file_windows.cpp
 // do for files to write. No other file of the engine knows its system.
 #pragma once
 
@@ -27,10 +27,10 @@ using FileToRead = std::unique_ptr<std::FILE, CloseFile>;
 /// inherit the file.
 FileToRead open_to_read(const std::string& name);
 
-/// Memory that is zero, straight from the system, which hands out its pages when they
-/// are touched: where it has such, pages of that size, of which there are fewer to hand out and to look up. Throws
-/// std::bad_alloc.
+/// The size of a large page, bytes.
 inline constexpr std::size_t kLargePage = std::size_t{1} << 21;
+/// Takes memory straight from the system, which sets it to zero and hands out its pages when they are touched. Where the system
+/// has large pages, it gives these: there are fewer to hand out and to look up. Throws std::bad_alloc.
 void* take_pages(std::size_t bytes);
 void give_pages_back(void* begin, std::size_t bytes);
 

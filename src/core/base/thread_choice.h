@@ -1,4 +1,4 @@
-// How many threads the next step has, by how long the last ones took. Results do not depend on it.
+// Chooses how many threads the next step has, by how long the last steps took. Results do not depend on it.
 //
 // Where the caller waited for most of a step, a worker lost its core: the next steps have half of the threads. And a step
 // of some ten microseconds is over sooner on one thread than others can be told of it: small steps are tried both ways.
