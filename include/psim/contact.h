@@ -20,7 +20,8 @@ struct Contact {
   Vec2 point;             ///< metres: midway between the two surfaces; in periodic worlds near a
   Vec2 normal;            ///< of length 1, from a to b
   double separation = 0;  ///< metres: between the surfaces along the normal, negative in overlap
-  /// N s, >= 0: that the step put on b along the normal, and its opposite on a. Over dt it is the force.
+  /// N s, >= 0: that the last substep put on b along the normal, and its opposite on a, times the substeps of a step.
+  /// Over dt it is the force.
   double impulse = 0;
   /// N s: likewise along (-normal.y, normal.x); of friction, at most its coefficient x `impulse`.
   double friction = 0;
