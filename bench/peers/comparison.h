@@ -53,6 +53,8 @@ std::vector<Comparison> all_comparisons();
 
 /// A scene file of the user's, watched for overlaps and joints.
 Comparison comparison_of_file(const std::string& path);
+/// A built-in scene of psim, "psim:NAME" or "psim:NAME:BODIES", watched likewise. Throws std::invalid_argument.
+Comparison comparison_of_builtin(const std::string& words);
 
 /// What one run gives. `failed` says why it did not get through.
 struct Result {

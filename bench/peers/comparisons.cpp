@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <stdexcept>
@@ -52,7 +53,7 @@ void put_bodies_for_drums(Scene& scene) {
   scene.bodies = std::move(bodies);
 }
 
-std::function<Scene(Size)> builtin(const char* name, Bodies bodies) {
+std::function<Scene(Size)> builtin(const std::string& name, Bodies bodies) {
   return [name, bodies](Size size) {
     std::string error;
     auto scene = make_builtin(name, bodies.of(size), 1, error);
@@ -152,6 +153,22 @@ Comparison comparison_of_file(const std::string& path) {
   Comparison c = scene_of(
       std::filesystem::path(path).stem().string(), path, [scene = std::move(*scene)](Size) { return scene; }, 0, 300);
   return c;
+}
+
+Comparison comparison_of_builtin(const std::string& words) {
+  const std::size_t begin = words.find(':') + 1, end = words.find(':', begin);
+  const std::string name = words.substr(begin, end == std::string::npos ? end : end - begin);
+  std::uint64_t bodies = 0;  // as many as the scene has by itself
+  if (end != std::string::npos) {
+    const char* const last = words.data() + words.size();
+    const auto [at, wrong] = std::from_chars(words.data() + end + 1, last, bodies);
+    if (wrong != std::errc() || at != last || bodies == 0) {
+      throw std::invalid_argument("--scenes " + words + ": the number of bodies is no whole number from 1 on");
+    }
+  }
+  std::string error;
+  if (!make_builtin(name, bodies, 1, error)) throw std::invalid_argument("--scenes " + words + ": " + error);
+  return scene_of(name, "psim's scene of this name", builtin(name.c_str(), {bodies, bodies, bodies}), 0, 300);
 }
 
 }  // namespace psim::peers

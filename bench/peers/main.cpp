@@ -4,6 +4,7 @@
 //   peers --quick                                  small scenes, recommended settings: a minute
 //   peers --scenes stack,gas --engines psim,box2d  some of it
 //   peers --scenes scenes/dam.json                 a scene file
+//   peers --scenes psim:smash --frame-times t.csv  a built-in scene of psim, with a row a frame
 //   peers --csv peers.csv --plot peers.png         everything, with a row a point and a picture
 // The table goes to stdout, talk to stderr. Exit 2 if asked wrongly. The file of --csv takes its name at the end: a run
 // that is interrupted leaves the old one.
@@ -42,7 +43,9 @@ struct Options {
   std::vector<std::string> engines;
   std::string csv;
   std::string plot;
+  std::string frame_times;
   int repeats = 0;
+  int frames = 0;
 
   Size size() const { return quick ? Size::quick : full ? Size::full : Size::normal; }
 };
@@ -70,9 +73,12 @@ std::vector<Comparison> chosen_scenes(const std::vector<std::string>& wanted) {
       chosen.push_back(*found);
     } else if (name.ends_with(".json")) {
       chosen.push_back(comparison_of_file(name));
+    } else if (name.starts_with("psim:")) {
+      chosen.push_back(comparison_of_builtin(name));
     } else {
-      throw std::invalid_argument("--scenes: no scene '" + name +
-                                  "'; a file that ends in .json, or one of:" + names_of(all));
+      throw std::invalid_argument(
+          "--scenes: no scene '" + name +
+          "'; a file that ends in .json, psim: with a built-in scene, or one of:" + names_of(all));
     }
   }
   return chosen;
@@ -115,11 +121,11 @@ void list(const Options& options) {
   }
 }
 
-std::vector<Entry> entries_of(const std::vector<Engine>& engines, bool quick) {
+std::vector<Entry> entries_of(const std::vector<Engine>& engines, bool recommended) {
   std::vector<Entry> entries;
   for (const Engine& engine : engines) {
     for (const NamedSetting& setting : settings_of(engine)) {
-      if (!quick || setting.recommended) entries.push_back({&engine, setting});
+      if (!recommended || setting.recommended) entries.push_back({&engine, setting});
     }
   }
   return entries;
@@ -146,6 +152,7 @@ std::vector<Row> compare(Comparison of, const std::vector<Entry>& entries, const
     of.frames = std::min(of.frames, 60);
     of.settle = std::min(of.settle, 60);
   }
+  if (options.frames != 0) of.frames = options.frames;
   const Model model = psim::accuracy::make_model(of.scene(options.size()));
   std::vector<Row> rows;
   for (const Entry& entry : entries) {
@@ -203,6 +210,12 @@ void check_outputs(const Options& options) {
     }
   };
   if (!options.csv.empty()) refuse_scene("--csv", options.csv);
+  if (!options.frame_times.empty()) {
+    refuse_scene("--frame-times", options.frame_times);
+    if (!options.csv.empty() && is_same_file(options.frame_times, options.csv)) {
+      throw std::invalid_argument("--frame-times " + options.frame_times + ": is the file of --csv too");
+    }
+  }
   if (options.plot.empty()) return;
   refuse_scene("--plot", options.plot);
   if (!options.plot.ends_with(".png") && !options.plot.ends_with(".svg")) {
@@ -217,21 +230,31 @@ void check_outputs(const Options& options) {
 int run_all(const Options& options) {
   const std::vector<Comparison> scenes = chosen_scenes(options.scenes);
   const std::vector<Engine> engines = chosen_engines(options.engines);
-  const std::vector<Entry> entries = entries_of(engines, options.quick);
+  const std::vector<Entry> entries = entries_of(engines, options.quick || !options.frame_times.empty());
   check_outputs(options);
   std::optional<psim::cli::AtomicFile> csv;
   if (!options.csv.empty()) csv.emplace("--csv", options.csv);
-  std::ostringstream rows_written;
+  std::optional<psim::cli::AtomicFile> frame_times;
+  if (!options.frame_times.empty()) frame_times.emplace("--frame-times", options.frame_times);
+  std::ostringstream rows_written, times_written;
   write_header(rows_written);
+  write_times_header(times_written);
   for (const Comparison& of : scenes) {
     const std::vector<Row> rows = compare(of, entries, options);
     print_scene(std::cout, rows);
     std::cout.flush();
-    for (const Row& row : rows) write_row(rows_written, row);
+    for (const Row& row : rows) {
+      write_row(rows_written, row);
+      write_times(times_written, row);
+    }
   }
   if (csv) {
     csv->write(rows_written.view());
     csv->commit();
+  }
+  if (frame_times) {
+    frame_times->write(times_written.view());
+    frame_times->commit();
   }
   if (!options.plot.empty()) plot(options);
   return std::cout ? 0 : 1;
@@ -243,13 +266,18 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app("The same scenes in several engines: ms a frame beside what is wrong.", "peers");
   app.add_flag("--list", options.list, "engines, settings (* = recommended) and scenes; runs nothing");
-  app.add_option("--scenes", options.scenes, "only these, by name or FILE.json, commas between")
+  app.add_option("--scenes", options.scenes,
+                 "only these, by name, FILE.json or psim:NAME:BODIES for a scene of psim, commas between")
       ->delimiter(',')
       ->allow_extra_args(false);
   app.add_option("--engines", options.engines, "only these, commas between")->delimiter(',')->allow_extra_args(false);
   auto* quick = app.add_flag("--quick", options.quick, "small scenes, few frames, recommended settings, one run each");
   app.add_flag("--full", options.full, "100,000 discs, pyramid of base 100, 22,000 boxes")->excludes(quick);
   app.add_option("--repeats", options.repeats, "runs of each, in turn (3; --quick: 1)")->check(CLI::Range(1, 99));
+  app.add_option("--frames", options.frames, "that are timed, instead of a scene's own number")
+      ->check(CLI::Range(1, 100000));
+  app.add_option("--frame-times", options.frame_times,
+                 "a row for every frame of the recommended settings, which alone are run");
   auto* csv = app.add_option("--csv", options.csv, "a row for every engine, setting and scene");
   app.add_option("--plot", options.plot, "a picture of that file, PNG or SVG")->needs(csv);
   try {

@@ -56,6 +56,15 @@ void write_row(std::ostream& out, const Row& row) {
   out << ',' << quoted(row.note) << '\n';
 }
 
+void write_times_header(std::ostream& out) { out << "engine,setting,threads,scene,bodies,frame,ms\n"; }
+
+void write_times(std::ostream& out, const Row& row) {
+  for (std::size_t frame = 0; frame < row.frame_ms.size(); ++frame) {
+    out << row.engine << ',' << quoted(row.setting) << ',' << row.threads << ',' << row.scene << ',' << row.bodies
+        << ',' << frame << ',' << rounded(row.frame_ms[frame], 4) << '\n';
+  }
+}
+
 void print_scene(std::ostream& out, const std::vector<Row>& rows) {
   if (rows.empty()) return;
   std::vector<const ErrorColumn*> columns;

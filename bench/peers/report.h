@@ -28,6 +28,9 @@ double mean_ms(const Row& row);
 
 void write_header(std::ostream& out);
 void write_row(std::ostream& out, const Row& row);
+/// A line for each frame: engine, setting, threads, scene, bodies, frame, ms.
+void write_times_header(std::ostream& out);
+void write_times(std::ostream& out, const Row& row);
 /// The rows of one scene, a line each, with the columns that anybody has.
 void print_scene(std::ostream& out, const std::vector<Row>& rows);
 

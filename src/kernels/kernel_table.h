@@ -7,6 +7,7 @@
 
 #include "collide_views.h"
 #include "joint_views.h"
+#include "lasting_views.h"
 #include "manifold_views.h"
 #include "views.h"
 
@@ -59,6 +60,9 @@ struct KernelTable {
   void (*relax_manifolds[2][2][2])(const BodyView&, ManifoldBlock*, SurfaceBlock*, const ContactParams&, Block, Block);
   void (*spend_manifolds[2])(const BodyView&, ManifoldBlock*, const ContactParams&, Block, Block);
   void (*turn_bodies)(const BodyView&, const float* radius, const StreamParams&, Block, Block);
+  // Manifolds that last (lasting_kernel.h), by whether A is fixed.
+  void (*last_manifolds[2])(const BodyView&, const LastingColumns&, ManifoldBlock*, const LastingBlock*,
+                            const LastingParams&, std::uint8_t* steady, Block, Block);
   // Contacts of hulls (collide_kernel.h): of A with 2, up to 4 or up to 8 vertices and B with a disc's
   // one or those.
   using Collide = void (*)(HullPairs*, Block, Block);

@@ -12,6 +12,7 @@
 #include "joint_share_kernel.h"
 #include "joint_slide_kernel.h"
 #include "kernel_table.h"
+#include "lasting_kernel.h"
 #include "manifold_kernel.h"
 #include "pair_kernel.h"
 #include "static_contact_kernel.h"
@@ -83,6 +84,7 @@ constexpr KernelTable table_of() {
                            {relax_manifolds<L, true, true, false>, relax_manifolds<L, true, true, true>}}},
       .spend_manifolds = {spend_manifolds<L, false>, spend_manifolds<L, true>},
       .turn_bodies = turn_bodies<L>,
+      .last_manifolds = {last_manifolds<L, false>, last_manifolds<L, true>},
       .collide = {{collide_discs<L, 2>, collide_hulls<L, 2, 2>, collide_hulls<L, 2, 4>, collide_hulls<L, 2, 8>},
                   {collide_discs<L, 4>, collide_hulls<L, 4, 2>, collide_hulls<L, 4, 4>, collide_hulls<L, 4, 8>},
                   {collide_discs<L, 8>, collide_hulls<L, 8, 2>, collide_hulls<L, 8, 4>, collide_hulls<L, 8, 8>}},

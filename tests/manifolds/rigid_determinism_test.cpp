@@ -182,9 +182,9 @@ TEST_P(RigidDeterminism, WarmStepsAllocateNothing) {
     const std::uint64_t before = allocations();
     for (int k = 0; k < 120; ++k) growths += world->step().arena_growths;
     EXPECT_EQ(growths, 0u) << threads;
-    // Where bodies fall for ever a strip may yet get more contacts than it ever had.
+    // Where bodies fall for ever a strip may yet get more contacts than it ever had: then its seven lists grow once.
     const bool falls = std::string_view(GetParam().name) == "Periodic";
-    EXPECT_LE(allocations() - before, falls ? 4u : 0u) << threads;
+    EXPECT_LE(allocations() - before, falls ? 7u : 0u) << threads;
   }
 }
 

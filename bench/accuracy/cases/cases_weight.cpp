@@ -187,8 +187,13 @@ Case silo() {
 }  // namespace
 
 std::vector<Case> weight_cases(Effort effort) {
-  return {silo(),               stack_load(10, effort), stack_load(20, effort), stack_load(100, effort),
-          pyramid_load(effort), legs(1000, 0.0084),     legs(10000, 0.05)};
+  return {silo(),
+          stack_load(10, effort),
+          stack_load(20, effort),
+          stack_load(100, effort),
+          pyramid_load(effort),
+          legs(1000, 0.0084),
+          legs(10000, 0.05)};
 }
 
 }  // namespace psim::accuracy

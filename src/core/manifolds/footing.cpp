@@ -28,8 +28,28 @@ std::uint32_t set_of(Column<std::uint32_t>& of, std::uint32_t slot) {
 // Finds the bodies that hang together with fixed ground: their entry in used_ is kGround.
 void Manifolds::find_standing() {
   std::iota(used_.data(), used_.data() + s_.bodies.count, 0u);
-  each_active([&](std::size_t, std::uint32_t k) { unite(pairs_[k].fixed_a ? kGround : pairs_[k].a, pairs_[k].b); });
+  each_active([&](std::size_t s, std::uint32_t k) {
+    const std::uint32_t lane = steady_lane(strips_[s], k);
+    if (lane == PairName::kNone) {
+      unite(pairs_[k].fixed_a ? kGround : pairs_[k].a, pairs_[k].b);
+    } else {
+      const std::uint32_t block = lane / kernels::kBlock;
+      const std::uint32_t* const body = strips_[s].lasting.then[block].body + 2 * (lane % kernels::kBlock);
+      unite(block < strips_[s].end[1] ? body[0] : kGround, body[1]);
+    }
+  });
   name_sets();
+}
+
+// Notes which bodies stand. Returns whether they are those of the last step.
+bool Manifolds::stand_as_before() {
+  const std::size_t n = s_.bodies.count;
+  bool same = std::exchange(stood_known_, true);
+  for (std::size_t slot = 0; slot < n; ++slot) {
+    const std::uint8_t stands = used_[slot] == kGround ? 1 : 0;
+    same &= std::exchange(stood_[slot], stands) == stands;
+  }
+  return same;
 }
 
 void Manifolds::unite(std::uint32_t slot_a, std::uint32_t slot_b) {
@@ -50,7 +70,7 @@ void Manifolds::name_sets() {
 }
 
 bool Manifolds::footing_is_old() const {
-  return g_ > 0 && (!weighs_ || std::ranges::any_of(stale_, [](std::uint8_t s) { return s != 0; }));
+  return g_ > 0 && (!weighs_ || std::ranges::any_of(strips_, &StripBlocks::others));
 }
 
 bool Manifolds::touches(const ManifoldPair& pair) const {
@@ -70,11 +90,17 @@ bool Manifolds::touch_fewer(std::size_t many) const {
 }
 
 void Manifolds::find_footing() {
-  bool changed = weighs_ != (g_ > 0);
-  for (std::size_t s = 0; s < strip_count(); ++s) changed |= stale_[s] != 0;
+  const bool turned_on = weighs_ != (g_ > 0);
+  bool changed = turned_on;
+  for (std::size_t s = 0; s < strip_count(); ++s) changed |= strips_[s].others;
   const bool was_cold = std::exchange(cold_, false), weighed = std::exchange(weighs_, g_ > 0);
   if ((!changed && !was_cold) || (!weighs_ && !weighed)) return;  // nothing stands without gravity
   if (weighs_ && changed) find_standing();
+  const bool tied = weighs_ && changed && !ties.empty();
+  // Where the same bodies stand, only pairs that were no contacts in the last step may come to stand.
+  const bool as_before = weighs_ && changed && stand_as_before();
+  const bool few = as_before && !turned_on && !was_cold && !tied;
+  if (!few) catch_up();
   // Where many sweeps do, nobody needs help.
   const auto yield = [&](std::size_t strip, std::uint32_t k, bool yields) {
     ManifoldPair& pair = pairs_[k];
@@ -83,16 +109,22 @@ void Manifolds::find_footing() {
     if (stale_[strip] == 0 && !pair.changed) strips_[strip].rewrite.push_back(k);
     pair.changed = true;
   };
-  const bool tied = weighs_ && changed && !ties.empty();
   std::size_t turned = 0;
-  each_active([&](std::size_t strip, std::uint32_t k) {
+  const auto each_changed = [&](const auto& visit) {
+    if (!few) return each_active(visit);
+    for (std::size_t s = 0; s < strip_count(); ++s) {
+      for (const std::uint32_t k : strips_[s].fresh) visit(s, k);
+    }
+  };
+  each_changed([&](std::size_t strip, std::uint32_t k) {
     ManifoldPair& pair = pairs_[k];
     const bool stood = pair.stands;
     if (changed) pair.stands = pair.hangs = weighs_ && used_[pair.b] == kGround;
     if (pair.placed || (stood && !pair.stands)) turned += touches(pair) ? 1 : 0;
-    if (pair.stands && !stood && !pair.placed && touches(pair)) pair.rest_frames = kRestFrames;  // a group lands
+    if (pair.stands && !stood && !pair.placed && touches(pair)) hold_out(k, strip);  // a group lands
     if (!tied) yield(strip, k, pair.hangs && !pair.fixed_a);
   });
+  if (turned != 0 && few) catch_up();
   cold_ = weighs_ && touch_fewer(2 * turned);
   if (!tied && !cold_) return;
   if (tied) {

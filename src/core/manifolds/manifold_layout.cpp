@@ -3,6 +3,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "base/elementary.h"
@@ -36,14 +37,19 @@ void no_point(ManifoldBlock::Point& p, std::uint32_t l) {
   p.friction[l] = p.start[l] = 0;
 }
 
+// A lane without points.
+void empty(ManifoldBlock& c, std::uint32_t l) {
+  no_point(c.point[0], l);
+  no_point(c.point[1], l);
+}
+
 // Makes a lane that does nothing: two resting dummies, far apart.
 void pad(ManifoldBlock& c, std::uint32_t l, std::uint32_t dummy) {
   c.body[2 * l] = dummy;
   c.body[2 * l + 1] = dummy + 1;
   c.nx[l] = 0;
   c.ny[l] = 1;
-  no_point(c.point[0], l);
-  no_point(c.point[1], l);
+  empty(c, l);
   c.wa[l] = c.wb[l] = c.share_a[l] = c.share_b[l] = 1;
   c.ga[l] = c.gb[l] = c.round_a[l] = c.round_b[l] = c.lead_a[l] = c.lead_b[l] = 0;
   c.mu[l] = c.e[l] = c.soft[l] = c.rate[l] = c.apart[l] = 0;
@@ -124,26 +130,7 @@ std::uint32_t class_of(const ManifoldPair& pair, const HeavyLoads& loads) {
 
 }  // namespace
 
-void Manifolds::keep_impulses() {
-  if (begin_.empty() || !laid_) return;
-  laid_ = false;
-  s_.pool.run(strip_count(), [&](std::size_t s) {
-    const std::vector<ManifoldBlock>& blocks = strips_[s].blocks;
-    const bool surfaces = !strips_[s].surfaces.empty();
-    for (const std::uint32_t k : strips_[s].laid) {
-      ManifoldPair& pair = pairs_[k];
-      if (pair.lane == ManifoldPair::kNone) continue;
-      const ManifoldBlock& c = blocks[pair.lane / kBlock];
-      const std::uint32_t l = pair.lane % kBlock;
-      if (surfaces) pair.roll = strips_[s].surfaces[pair.lane / kBlock].roll[l];
-      for (int p = 0; p < 2; ++p) {
-        const float impulse = c.point[p].impulse[l];
-        pair.impulse[p] = impulse > 0 ? impulse : 0.0f;
-        pair.friction[p] = c.point[p].friction[l];
-      }
-    }
-  });
-}
+void Manifolds::open_lane(ManifoldBlock& c, std::uint32_t l) { empty(c, l); }
 
 void Manifolds::forget() {
   accept();
@@ -152,7 +139,12 @@ void Manifolds::forget() {
   pairs_.clear();
   begin_.clear();
   cuts_.clear();
-  for (StripBlocks& s : strips_) s.laid.clear();
+  for (StripBlocks& s : strips_) {
+    s.laid.clear();
+    s.lasting.clear();
+  }
+  known_lane_.clear();
+  stood_known_ = false;
   std::ranges::fill(stale_, std::uint8_t{1});
 }
 
@@ -181,21 +173,17 @@ void Manifolds::clear() {
 void Manifolds::release() {
   clear();
   give_back(pairs_, old_pairs_, renewed_, before_, begin_, index_.first, index_.entries, found_, strips_, special_,
-            stale_, shaped_, fixed_, crowded_, turned_, turning_, kind_, rotor_, inner_, used_, ties);
+            known_lane_, stood_, stale_, shaped_, fixed_, crowded_, turned_, turning_, kind_, rotor_, inner_, used_,
+            ties);
   boxes_.release();
   give_back(long_);
   boxed_ = long_known_ = false;
 }
 
-void Manifolds::set_stack_role(std::uint32_t k, ManifoldPair::StackRole role) {
-  ManifoldPair& pair = pairs_[k];
-  pair.stack = role;
-  if (pair.was_stack == ManifoldPair::kNoStack) strips_[strip_of(k)].rewrite.push_back(k);
-}
-
 // Lays out one strip.
 struct Manifolds::Layout {
   Manifolds& m;
+  std::size_t index;
   const HeavyLoads& loads;
   const ManifoldParams& params;
   std::uint32_t dummy;  // the first of two bodies that rest, for lanes without a pair
@@ -211,6 +199,7 @@ struct Manifolds::Layout {
     if (stale != 0 || (loads.any() && std::ranges::any_of(strip.rewrite, changes_stack))) return make_blocks();
     const bool all = params.changed && params.asleep;  // contacts with sleepers are balanced anew
     for (const std::uint32_t k : all ? strip.active : strip.rewrite) {
+      m.catch_up(strip, k);
       if (all || m.pairs_[k].changed || changes_stack(k)) fill(m.pairs_[k]);
     }
     if (!params.changed || all) return;
@@ -227,22 +216,29 @@ struct Manifolds::Layout {
 
   void make_blocks() {
     stale = 0;
+    m.catch_up(index);
+    m.forget_steady(index);
     colour();
     const std::uint32_t blocks = place_runs();
     if (blocks > strip.blocks.capacity())
       strip.blocks.reserve(blocks + blocks / 2 + 4);  // with spare room, since contacts come and go
+    strip.lasting.reserve(strip.blocks.capacity());
     if (params.surfaces) strip.surfaces.reserve(strip.blocks.capacity());
     strip.blocks.resize(blocks);
     strip.surfaces.assign(params.surfaces ? blocks : 0, {});
     for (ManifoldBlock& block : strip.blocks) {
       for (std::uint32_t l = 0; l < kBlock; ++l) pad(block, l, dummy);
     }
-    each(strip.active, [&](ManifoldPair& pair) {
+    each(strip.laid, [&](ManifoldPair& pair) {
       std::uint32_t& at = lanes[class_of(pair, loads)][pair.lane];
       const bool alone = pair.lane == kColours;
       pair.lane = at;
       at += alone ? kBlock : 1;
       fill(pair);
+      if (!pair.active) {
+        empty(strip.blocks[pair.lane / kBlock], pair.lane % kBlock);
+        pair.changed = true;
+      }
     });
   }
 
@@ -250,17 +246,22 @@ struct Manifolds::Layout {
   // lanes of a block.
   void colour() {
     std::array<bool, 4> any{};
-    each(strip.laid, [](ManifoldPair& pair) { pair.lane = ManifoldPair::kNone; });
-    if (strip.active.size() > strip.laid.capacity()) strip.laid.reserve(strip.active.size() + strip.active.size() / 2);
-    strip.laid = strip.active;
-    strip.rewrite.reserve(strip.laid.capacity());
-    each(strip.active, [&](const ManifoldPair& pair) { any[class_of(pair, loads)] = true; });
+    each(strip.laid, [](ManifoldPair& pair) {
+      pair.lane = ManifoldPair::kNone;
+      if (pair.idle == ManifoldPair::kIdle) pair.idle = 0;
+    });
+    const std::size_t all = strip.active.size() + strip.idle.size();
+    if (all > strip.laid.capacity()) strip.laid.reserve(all + all / 2);
+    strip.laid.clear();
+    std::ranges::merge(strip.active, strip.idle, std::back_inserter(strip.laid));
+    for (auto* list : {&strip.rewrite, &strip.idle, &strip.fresh}) list->reserve(strip.laid.capacity());
+    each(strip.laid, [&](const ManifoldPair& pair) { any[class_of(pair, loads)] = true; });
     strip.points = 0;
     Column<std::uint32_t>& used = m.used_;
     for (std::uint32_t k = 0; k < 4; ++k) {
       if (!any[k]) continue;
       const auto each_here = [&](const auto& visit) {
-        each(strip.active, [&](ManifoldPair& pair) {
+        each(strip.laid, [&](ManifoldPair& pair) {
           if (class_of(pair, loads) == k) visit(pair);
         });
       };
@@ -278,7 +279,7 @@ struct Manifolds::Layout {
         pair.lane = colour;  // the lane itself is known once all colours are
         pair.colour = colour < kColours ? static_cast<std::uint8_t>(k * kColours + colour) : ManifoldPair::kAlone;
         ++lanes[k][colour];
-        strip.points += static_cast<std::uint32_t>(pair.manifold.count);
+        strip.points += pair.active ? static_cast<std::uint32_t>(pair.manifold.count) : 1;
       });
     }
   }
@@ -370,9 +371,12 @@ struct Manifolds::Layout {
 void Manifolds::lay_out(const HeavyLoads& loads, const ManifoldParams& params, std::uint32_t dummies) {
   run_phases(strip_count(), s_.pool, [&](std::size_t index) {
     const std::uint32_t dummy = dummies + 2 * static_cast<std::uint32_t>(index);
-    Layout{*this, loads, params, dummy, stale_[index], strips_[index]}.run();
+    Layout{*this, index, loads, params, dummy, stale_[index], strips_[index]}.run();
+    for (const std::uint32_t k : strips_[index].idle) ++pairs_[k].idle;
+    strips_[index].others = false;
   });
   laid_ = true;
+  attempted_ = false;
   list_turning(static_cast<float>(params.dt));
   totals_ = {};
   for (std::size_t s = 0; s < strip_count(); ++s) {
@@ -424,10 +428,11 @@ Manifolds::Closed Manifolds::closed(std::size_t index) const {
 
 std::size_t Manifolds::bytes() const {
   std::size_t sum = bytes_of(pairs_, old_pairs_, before_, renewed_, index_.first, shaped_, index_.entries, fixed_,
-                             crowded_, turned_, turning_, ties) +
+                             crowded_, turned_, turning_, known_lane_, stood_, ties) +
                     parts_.bytes() + decisions_.bytes();
   for (const StripBlocks& s : strips_)
-    sum += bytes_of(s.blocks, s.surfaces, s.active, s.laid, s.rewrite, s.landing, s.open, s.watched);
+    sum += bytes_of(s.blocks, s.surfaces, s.active, s.laid, s.rewrite, s.landing, s.open, s.watched, s.idle, s.fresh) +
+           s.lasting.bytes();
   for (const std::vector<FoundPair>& found : found_) sum += bytes_of(found);
   return sum;
 }

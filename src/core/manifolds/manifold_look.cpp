@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace psim {
 
@@ -35,8 +36,8 @@ void take_recalled(ManifoldPair& pair) {
   pair.balanced = ManifoldPair::kUnbalanced;
 }
 
-// Looks at pairs, and counts how.
-Manifolds::Looks Manifolds::look(const ManifoldParams& params, std::span<ManifoldPair> pairs) const {
+// Looks at pairs that are not steady, and counts how.
+Manifolds::Looks Manifolds::look(const ManifoldParams& params, const Cut& cut) {
   const Look look{*this, params};
   // Offsets fade once neither side sleeps: the contact comes to the overlap that belongs to its stiffness.
   const auto fade = [&](ManifoldPair& pair) {
@@ -45,7 +46,11 @@ Manifolds::Looks Manifolds::look(const ManifoldParams& params, std::span<Manifol
   };
   Looks looks;
   Look::Waiting waiting[CollideBatch::kKinds];
-  for (ManifoldPair& pair : pairs) {
+  StripBlocks& strip = strips_[cut.strip];
+  for (std::uint32_t k = cut.begin; k < cut.end; ++k) {
+    if (steady_lane(strip, k) != PairName::kNone) continue;
+    ManifoldPair& pair = pairs_[k];
+    if (known_lane_[k] != PairName::kNone) strip.lasting.forget(std::exchange(known_lane_[k], PairName::kNone));
     if (pair.moved) continue;
     pair.stack = ManifoldPair::kNoStack;
     pair.placed = false;

@@ -25,7 +25,10 @@ inline constexpr float kNearby = 0.02f;   // contacts are looked for up to this 
 inline constexpr float kApart = 0.0005f;  // share of the inner radius: bodies with a larger gap are apart
 inline constexpr float kFallen = 0.1f;    // at most this share counts as a gap that gravity closes within the step
 inline constexpr float kPlaced =
-    0.2f;  // bodies that are put on each other have no more than this way to go in the step
+    0.2f;                              // bodies that are put on each other have no more than this way to go in the step
+inline constexpr float kDeep = 0.2f;   // contacts that are deeper, in shares of the inner radius, are watched
+inline constexpr float kFlying = 1;    // way in a step, in shares of the inner radius: see flies()
+inline constexpr float kSlow = 0.99f;  // bodies whose points move by less cannot fly
 inline constexpr float kUnsure = 1e-5f;   // share of the sizes of two hulls: what rounding may make of their gap
 inline constexpr float kStep = 0.02f;     // a piece counts as below a plane if it stands out of it by no more than this
 inline constexpr float kAlike = 0.9999f;  // normals with a larger cosine between them count as equal
@@ -100,8 +103,11 @@ struct Manifolds::Look {
     }
     now.qb = rotor(j);
     now.qa = fixed ? Rotor{} : rotor(i);
-    const Vec2 move = lattice.way(pair.base, now.at);
-    const auto move_x = static_cast<float>(move.x), move_y = static_cast<float>(move.y);
+    const auto moved_by = [](std::int32_t to, std::int32_t from, double pitch, float rest) {
+      return static_cast<float>(wrap_sub(to, from)) * static_cast<float>(pitch) + rest;
+    };
+    const float move_x = moved_by(now.at.x, pair.base.x, lattice.pitch_x(), now.at.dx - pair.base.dx);
+    const float move_y = moved_by(now.at.y, pair.base.y, lattice.pitch_y(), now.at.dy - pair.base.dy);
     // Bodies with a smaller gap may touch within the step.
     now.vx = b.vel[2 * j], now.vy = b.vel[2 * j + 1];
     float rim_speed = std::fabs(b.rim_speed[j]);

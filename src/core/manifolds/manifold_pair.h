@@ -53,7 +53,7 @@ struct ManifoldPair : PairName {
   float impulse[2] = {}, friction[2] = {};
   float round_a = 0, round_b = 0;  ///< m: the radii around the two hulls
   float roll = 0;                  ///< N m s, on B: of the torque against rolling
-  bool active = false;             ///< the pair has a lane
+  bool active = false;             ///< it is a contact in this step, and has a lane
   bool ahead = false;              ///< the bodies are apart, and may meet within the step
   bool flying = false;             ///< B comes too fast for a contact: continuous collision sees to it
   bool ghost = false;              ///< it lies below the plane on which the body rests: no contact
@@ -75,10 +75,14 @@ struct ManifoldPair : PairName {
   /// then it meets it.
   enum Crossing : std::uint8_t { kUnknown, kMeets, kPasses, kNew };
   Crossing crossing = kUnknown;
-  bool placed = false;        ///< the pair is new, and its bodies hardly move
-  bool stands = false;        ///< its bodies hang together with fixed ground, over contacts of shapes
-  bool hangs = false;         ///< they hang together with fixed ground, over joints, too
-  bool yields = false;        ///< the body below takes half of an impulse in a sweep
+  bool placed = false;  ///< the pair is new, and its bodies hardly move
+  bool stands = false;  ///< its bodies hang together with fixed ground, over contacts of shapes
+  bool hangs = false;   ///< they hang together with fixed ground, over joints, too
+  bool yields = false;  ///< the body below takes half of an impulse in a sweep
+  /// Steps since it was a contact, up to kIdle, or 0. Meanwhile it keeps its lane, open, for when it is one again.
+  std::uint8_t idle = 0;
+  static constexpr std::uint8_t kIdle = 30;
+  bool is_idle() const { return !active && idle != 0 && idle < kIdle; }
   std::uint8_t recalled = 0;  ///< points whose impulses are from before a body fell asleep or woke
   // When a side falls asleep or wakes, or the pair joins or leaves a stack, the contact gets another stiffness, and the
   // same load would need another overlap. This difference, m, is added to the gaps. It stays while A sleeps, else it

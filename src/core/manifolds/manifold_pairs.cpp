@@ -105,6 +105,7 @@ void Manifolds::begin_collect(const CollectSettings& settings, const PairTable& 
   rotor_.reserve(2 * slots);
   inner_.reserve(slots);
   used_.reserve(slots);
+  stood_.resize(std::max(stood_.size(), slots));
   if (sorted) {
     shaped_.clear();
     long_.clear();
@@ -229,13 +230,19 @@ void Manifolds::place_pairs(std::size_t strips) {
   own_end_ = begin_[strips];
   cut();
   pairs_.resize(begin_[strips]);
+  known_lane_.reserve(pairs_.capacity());
+  known_lane_.assign(begin_[strips], PairName::kNone);
   strips_.resize(std::max(strips_.size(), strips));
   for (std::size_t s = strips; s < strips_.size(); ++s) {
     strips_[s].blocks.clear();
     strips_[s].surfaces.clear();
     std::ranges::fill(strips_[s].end, 0u);
   }
-  for (StripBlocks& s : strips_) s.laid.clear();
+  for (StripBlocks& s : strips_) {
+    s.laid.clear();
+    s.lasting.clear();
+  }
+  stood_known_ = false;
   stale_.assign(strips_.size(), 1);
 }
 
@@ -327,6 +334,7 @@ void Manifolds::put_renewed(const std::function<bool(std::uint32_t)>& found) {
       ++new_pairs_;
     }
     if (in_strip) {
+      forget_steady(pair.before, strip_of(pair.before));
       pairs_[pair.before].moved = true;
       pairs_[pair.before].active = pairs_[pair.before].ahead = false;
     }
@@ -334,8 +342,11 @@ void Manifolds::put_renewed(const std::function<bool(std::uint32_t)>& found) {
   }
   keep_up_to(~std::uint64_t{0});
   begin_[last + 1] = static_cast<std::uint32_t>(pairs_.size());
-  fixed_known_ = false;
+  fixed_known_ = stood_known_ = false;
   // Lanes of the blocks stay as they are until the next layout.
+  known_lane_.reserve(pairs_.capacity());
+  known_lane_.resize(pairs_.size(), PairName::kNone);
+  forget_steady(last);
   StripBlocks& strip = strips_[last];
   strip.active.clear();
   strip.laid.clear();

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <utility>
 
 #include "base/rotor.h"
 #include "base/sort_keys.h"
 #include "base/tasks.h"
-#include "manifolds/manifolds.h"
+#include "manifolds/manifold_look.h"
 
 namespace psim {
 
@@ -15,7 +16,7 @@ namespace psim {
 // other: contacts with kinematic bodies, contacts that are deep, and segments near the middle of a hull, whether or not
 // they are contacts. Shares of the inner radius.
 static bool is_watched(const Surroundings& s, const ManifoldPair& pair) {
-  constexpr float kDeep = 0.2f, kBeside = 0.6f;
+  constexpr float kBeside = 0.6f;
   if (!pair.fixed_a || pair.moved || pair.of_wall()) return false;
   if (!pair.of_piece()) return pair.active;
   const BodyKind& kind = s.bodies.kind(pair.id_b);
@@ -31,12 +32,10 @@ static bool is_watched(const Surroundings& s, const ManifoldPair& pair) {
   return off * off < size * size * uu && along > -size * std::sqrt(uu) && along < uu + size * std::sqrt(uu);
 }
 
-// A body that comes upon fixed or kinematic geometry faster than this share of its inner radius in a step meets it in
+// A body that comes upon fixed or kinematic geometry faster than kFlying times its inner radius in a step meets it in
 // continuous collision alone, at the time and in the pose of the impact: it may turn far until then, and bounce on. One
 // that meets geometry that does not turn and is not too fast does so in the impact sweeps of the substeps, which know
 // gravity and whom else it meets.
-constexpr float kFlying = 1;
-
 static bool flies(const BodyStore& b, const ManifoldParams& params, const ManifoldPair& pair, float inner) {
   const std::size_t i = pair.b, a = pair.a;
   const Manifold& m = pair.manifold;
@@ -54,6 +53,34 @@ static bool flies(const BodyStore& b, const ManifoldParams& params, const Manifo
   return spin != 0 || dt * std::sqrt(x * x + y * y) > kMostSizes * b.radius[i];
 }
 
+// Notes whether a pair is a contact now and was one in the last step. One that is none any more keeps its lane for a while,
+// open. Returns whether other pairs must get lanes.
+bool Manifolds::note_contact(StripBlocks& strip, std::uint32_t k, bool laid) {
+  ManifoldPair& pair = pairs_[k];
+  const bool lies = pair.lane != PairName::kNone;
+  if (pair.active) {
+    if (!lies || pair.idle != 0) strip.fresh.push_back(k);
+    pair.idle = 0;
+    return !lies;
+  }
+  if (pair.moved) return lies;
+  if (!lies && !pair.is_idle()) {
+    pair.idle = 0;
+    return false;
+  }
+  const bool opens = pair.idle == 0;
+  strip.others |= opens;
+  if (opens) pair.idle = 1;
+  if (opens && laid) {
+    if (known_lane_[k] != PairName::kNone) strip.lasting.forget(std::exchange(known_lane_[k], PairName::kNone));
+    open_lane(strip.blocks[pair.lane / kernels::kBlock], pair.lane % kernels::kBlock);
+    pair.changed = true;
+  }
+  if (!pair.is_idle()) return true;  // long enough
+  strip.idle.push_back(k);
+  return false;
+}
+
 // Runs once all pairs of a strip were looked at.
 void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   StripBlocks& strip = strips_[index];
@@ -65,11 +92,18 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
   strip.watched.clear();
   strip.landing.clear();
   strip.open.clear();
+  strip.idle.clear();
+  strip.fresh.clear();
+  strip.others |= stale;
   for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
+    if (steady_lane(strip, k) != PairName::kNone) {
+      strip.active.push_back(k);
+      continue;
+    }
     ManifoldPair& pair = pairs_[k];
     pair.flying = pair.active && pair.fixed_a && flies(s_.bodies, params, pair, inner_of(pair.b));
     if (pair.flying) pair.active = false;
-    stale |= pair.active != (pair.lane != PairName::kNone);
+    stale |= note_contact(strip, k, laid);
     if (pair.flying || is_watched(s_, pair)) strip.watched.push_back(k);
     if (!pair.active) continue;
     strip.active.push_back(k);
@@ -84,7 +118,14 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
     if (pair.changed || pair.was_stack != ManifoldPair::kNoStack) strip.rewrite.push_back(k);
   }
   stale_[index] = stale;
-  if (stale) order_by_approach(index);
+  strip.others |= stale || !strip.fresh.empty();
+  if (!stale) {
+    if (++strip.lasting.calm > SteadyLanes::kCalm) note_steady(index);
+    return;
+  }
+  catch_up(index);
+  forget_steady(index);
+  if (!any_kinematic_) order_by_approach(index);
 }
 
 // Of the fixed pieces that a body meets, those come last that it approaches most: whatever the order in which the ground
@@ -155,8 +196,10 @@ void Manifolds::turn_shapes() {
 }
 
 void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::size_t end) {
+  const bool decides = params.asking || !decisions_.empty();
   if (begin == 0) {
-    keep_impulses();
+    if (std::exchange(attempted_, true)) stood_known_ = false;  // the last step was given up
+    known_lane_.resize(pairs_.size(), PairName::kNone);         // there is room
     g_ = kernels::snapped(length_of(params.gravity));
     if (!fixed_known_) {
       any_kinematic_ = std::ranges::any_of(pairs_, &PairName::of_kinematic);
@@ -165,21 +208,22 @@ void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::si
       });
     }
     turn_shapes();
+    look_in_lanes(params, !both_ && !params.surfaces && !decides);
   }
   const auto last_of_strip = [&](const Cut& c) { return c.end == begin_[c.strip + 1]; };
-  const bool decides = params.asking || !decisions_.empty();
   const bool at_end = any_kinematic_ || decides;  // strips are finished once all pairs were looked at
   const auto whole = [&](const Cut& c) { return !at_end && c.begin == begin_[c.strip] && last_of_strip(c); };
   s_.pool.run(end - begin, [&](std::size_t n) {
     Cut& c = cuts_[begin + n];
-    c.looks = look(params, {pairs_.data() + c.begin, pairs_.data() + c.end});
+    c.looks = look(params, c);
     if (whole(c)) finish_strip(params, c.strip);
   });
   if (at_end && end == cuts_.size()) {
     if (decides) ask(*params.pre_solve);
     if (any_kinematic_) see_all_ground(params);
-    for (const Cut& c : cuts_) {
-      if (last_of_strip(c)) finish_strip(params, c.strip);
+    s_.pool.run(strip_count(), [&](std::size_t index) { finish_strip(params, index); });
+    for (std::size_t index = 0; index < strip_count() && any_kinematic_; ++index) {
+      if (stale_[index] != 0) order_by_approach(index);
     }
   }
   for (std::size_t k = begin; k < end && !at_end; ++k) {

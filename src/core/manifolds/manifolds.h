@@ -35,6 +35,7 @@
 #include "manifolds/manifold_pair.h"
 #include "manifolds/part_boxes.h"
 #include "manifolds/part_search.h"
+#include "manifolds/steady_lanes.h"
 #include "psim/desc.h"
 #include "psim/pre_solve.h"
 #include "views.h"
@@ -91,6 +92,8 @@ class Manifolds {
     std::vector<kernels::SurfaceBlock> surfaces;  // as many, in worlds that have such surfaces
     std::vector<std::uint32_t> active;            // pairs that have a lane in this step
     std::vector<std::uint32_t> laid;              // pairs that have a lane in the blocks as they are
+    std::vector<std::uint32_t> idle;              // pairs that were active a short while ago, and keep lanes
+    std::vector<std::uint32_t> fresh;             // active pairs that were not so in the last step
     std::vector<std::uint32_t> rewrite;           // active pairs whose lane may be out of date in more than its gaps
     std::vector<std::uint32_t> landing;           // pairs whose bodies may meet in this step
     std::vector<std::uint32_t> open;              // pairs that are open in one of two points
@@ -98,7 +101,9 @@ class Manifolds {
     // The ends of four runs: pairs, pairs under heavy loads, pairs with a fixed side, the same under heavy loads.
     std::uint32_t end[4] = {};
     std::uint32_t colours = 0;
-    std::uint32_t points = 0;  // points that touch or are near
+    std::uint32_t points = 0;  // points that touched or were near when the blocks were made, and idle pairs
+    bool others = false;       // some pairs are active that were not so in the last step, or the other way round
+    SteadyLanes lasting;
   };
 
   /// How the pairs of a step were looked at.
@@ -119,7 +124,7 @@ class Manifolds {
 
   /// What the blocks of all strips have.
   struct Totals {
-    std::uint64_t points = 0;       ///< points that touch or are near
+    std::uint64_t points = 0;       ///< those of all strips
     std::uint64_t pass_blocks = 0;  ///< blocks that a pass of the solver goes through
     std::uint32_t blocks = 0, colours = 0;
     bool loaded = false;  ///< some contacts are under heavy loads
@@ -208,8 +213,16 @@ class Manifolds {
   /// Makes colours and blocks for this step. O(touching pairs).
   void lay_out(const HeavyLoads& loads, const ManifoldParams& params, std::uint32_t dummies);
 
-  /// Copies impulses from the blocks back to the pairs, before the blocks or the pairs change.
+  /// Copies impulses and gaps from the blocks back to the pairs, before the blocks or the pairs change.
   void keep_impulses();
+  /// Gives the pairs that are steady the gaps that were found for this step, and their impulses.
+  void catch_up();
+  void catch_up(const StripBlocks& strip, std::uint32_t k);  ///< the same for one pair
+  /// The lane of a pair that is steady in this step (SteadyLanes), or kNone. The pairs of a strip come one after another.
+  std::uint32_t steady_lane(const StripBlocks& strip, std::uint32_t k) const {
+    const std::uint32_t lane = k < known_lane_.size() ? known_lane_[k] : PairName::kNone;
+    return lane != PairName::kNone && strip.lasting.is_steady(lane) ? lane : PairName::kNone;
+  }
   /// Drops all pairs.
   void forget();
   /// Drops all pairs and what was made of them.
@@ -249,6 +262,8 @@ class Manifolds {
   }
   /// Sets whether a pair that was looked at is in a stack, and in which kind.
   void set_stack_role(std::uint32_t k, ManifoldPair::StackRole role);
+  /// A pair of a strip that was looked at stays out of stacks for some frames.
+  void hold_out(std::uint32_t k, std::size_t strip);
   bool has_corners(std::size_t slot) const { return (kind_[slot] & kShape) != 0; }
   Hull floor_of(const ManifoldPair& pair) const;
   /// Slots of the bodies that are not discs.
@@ -314,7 +329,16 @@ class Manifolds {
   void box_shapes();
   void box_parts();
   void place_pairs(std::size_t strips);
-  Looks look(const ManifoldParams& params, std::span<ManifoldPair> pairs) const;
+  Looks look(const ManifoldParams& params, const Cut& cut);
+  void look_in_lanes(const ManifoldParams& params, bool allowed);
+  bool may_be_steady(const ManifoldPair& pair) const;
+  void note_steady(std::size_t strip);
+  void forget_steady(std::size_t strip);
+  void forget_steady(std::uint32_t k, std::size_t strip);
+  void catch_up(std::size_t strip);
+  static void take_from_lane(const StripBlocks& strip, ManifoldPair& pair);
+  bool note_contact(StripBlocks& strip, std::uint32_t k, bool laid);
+  static void open_lane(kernels::ManifoldBlock& block, std::uint32_t lane);
   template <class At>
   void see_fixed(const ManifoldParams& params, std::size_t count, const At& at) const;
   // Lists the fixed sides of all bodies, by body, if some are kinematic: those lie among the pairs of two bodies.
@@ -363,6 +387,7 @@ class Manifolds {
   void order_scattered(std::vector<std::uint32_t>& active, const auto& of_ground, const auto& less);
   void finish_strip(const ManifoldParams& params, std::size_t strip);
   void find_standing();
+  bool stand_as_before();
   void unite(std::uint32_t slot_a, std::uint32_t slot_b);
   void name_sets();
   bool touches(const ManifoldPair& pair) const;
@@ -396,12 +421,14 @@ class Manifolds {
   std::vector<std::uint32_t> turned_;   // pairs of one of them
   std::vector<std::uint32_t> turning_;  // pairs whose kinematic side turns fast
   std::vector<StripBlocks> strips_;
+  std::vector<std::uint32_t> known_lane_;  // by pair: its lane if SteadyLanes knows it, else kNone
   std::vector<std::uint8_t> special_;      // by strip: some of its bodies are no plain discs
   std::vector<std::uint8_t> stale_;        // by strip: its blocks have other pairs
   Column<std::uint8_t> kind_{s_.memory};   // by slot
   Column<float> rotor_{s_.memory};         // by slot, records
   Column<float> inner_{s_.memory};         // by slot: m, the inner radius in this step
   Column<std::uint32_t> used_{s_.memory};  // by slot, within a part of the step: what it counts or marks
+  std::vector<std::uint8_t> stood_;        // by slot: whether the body hung together with fixed ground
   std::vector<std::uint32_t> shaped_;      // slots of bodies that are not discs
   std::vector<std::uint32_t> long_;  // of those: long shapes and bodies of several parts, where steps select pairs
   Totals totals_;
@@ -415,7 +442,9 @@ class Manifolds {
   bool collecting_ = false;    // pairs_ is not complete yet
   bool laid_ = false;          // impulses are in the blocks, not in the pairs
   bool cold_ = false;
-  bool weighs_ = false;  // there was gravity when footings were found
+  bool weighs_ = false;       // there was gravity when footings were found
+  bool attempted_ = false;    // pairs were looked at, and not laid out yet
+  bool stood_known_ = false;  // stood_ is that of the last step, and of the present slots and pairs
 };
 
 }  // namespace psim

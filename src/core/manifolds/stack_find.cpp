@@ -1,5 +1,6 @@
 // Finds the stacks among the manifolds of a step. How they are solved is in stacks.cpp.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "base/rotor.h"
@@ -11,18 +12,49 @@ namespace {
 
 constexpr std::uint32_t kLongStack = 4;  // links from which a stack counts as long
 constexpr float kMassRatio = 8;          // or one link has this mass ratio
-constexpr float kSideShare = 0.05f;      // side contacts may carry this share of the support
+constexpr float kSideShare = 0.05f;      // each contact at the side may carry this share of the support
 constexpr float kClosed = 0.0002f;       // share of the inner radius: a solve may close a smaller gap
 // A link becomes part of a long stack, and stays so, up to these speeds, in units of what gravity adds in a step.
 constexpr double kCalm = 0.06, kShaken = 1.2;
 constexpr std::uint32_t kFew = 16;  // shapes are few if no more than one in kFew bodies is one
 constexpr std::size_t kRoom = 64;   // there is room for so many links, and for one for every eight bodies
 
-// Whether the bodies of a pair touch.
-bool touch(const BodyStore& b, const ManifoldPair& pair) {
-  if (!pair.active || pair.manifold.count == 0) return false;
-  if (pair.impulse[0] > 0 || (pair.manifold.count == 2 && pair.impulse[1] > 0)) return true;
-  return pair.least_gap() <= kTouching * b.kind(pair.id_b).inner;
+// Whether the bodies of a pair touch, and the impulse that they exchange, N s.
+float load_of(const ManifoldPair& p) { return p.impulse[0] + (p.manifold.count == 2 ? p.impulse[1] : 0); }
+bool touch(const BodyStore& b, const ManifoldPair& p, float load) {
+  return load > 0 || p.least_gap() <= kTouching * b.kind(p.id_b).inner;
+}
+
+// How the contacts of a block stand: a bit for each lane.
+struct Standing8 {
+  std::uint32_t touch = 0, up = 0, down = 0;  // they touch; B stands on A; A on B
+  float load[kernels::kBlock];                // N s
+};
+
+// Gravity as a vector and what a normal must have along it to carry weight.
+struct Weight {
+  double x, y, least;
+  explicit Weight(Vec2 gravity) : x(gravity.x), y(gravity.y), least(kSupport * length_of(gravity)) {}
+  double along(float nx, float ny) const { return x * static_cast<double>(nx) + y * static_cast<double>(ny); }
+};
+
+Standing8 standing_of(const kernels::ManifoldBlock& c, const kernels::LastingBlock& then, const Weight& weight) {
+  Standing8 s;
+  for (std::uint32_t l = 0; l < kernels::kBlock; ++l) {
+    const float least = std::min(c.point[1].gap[l], c.point[0].gap[l]);
+    const double along = weight.along(then.nx[l], then.ny[l]);
+    s.load[l] = std::max(c.point[0].impulse[l], 0.0f) + std::max(c.point[1].impulse[l], 0.0f);
+    s.touch |= static_cast<std::uint32_t>((s.load[l] > 0) | (least <= then.touching[l])) << l;
+    s.up |= static_cast<std::uint32_t>(along <= -weight.least) << l;
+    s.down |= static_cast<std::uint32_t>(along >= weight.least) << l;
+  }
+  return s;
+}
+
+// Calls visit(lane) for each bit.
+template <class Visit>
+void each_lane(std::uint32_t lanes, const Visit& visit) {
+  for (; lanes != 0; lanes &= lanes - 1) visit(static_cast<std::uint32_t>(std::countr_zero(lanes)));
 }
 
 // The body below in a link, or none on fixed ground.
@@ -63,9 +95,8 @@ void Stacks::find(const ManifoldParams& params) {
     std::size_t begin = 0;
     for (std::size_t k = 0; k <= run_.size(); ++k) {
       if (k != run_.size()) {
-        ManifoldPair& pair = manifolds_.pair(run_[k].pair);
-        if (steep || !rocks(b_, pair, g, params.dt)) continue;
-        pair.rest_frames = kRestFrames;
+        if (steep || !rocks(b_, manifolds_.pairs()[run_[k].pair], g, params.dt)) continue;
+        manifolds_.hold_out(run_[k].pair, manifolds_.strip_of(run_[k].pair));
       }
       if (steep || k - begin >= kLongStack) add_stack(begin, k);
       begin = k + 1;
@@ -73,15 +104,60 @@ void Stacks::find(const ManifoldParams& params) {
   }
 }
 
+// B or A stands on the other one.
+void Stacks::stand(std::uint32_t upper, std::uint32_t lower, std::uint32_t pair, float load) {
+  const auto count = [](std::uint8_t& contacts) {
+    if (contacts < 2) ++contacts;
+  };
+  if (upper != kNone) {
+    Standing& of = standing_[upper];
+    count(of.below);
+    of.on = pair;
+    of.support = load;
+  }
+  if (lower != kNone) count(standing_[lower].above);
+}
+
+void Stacks::lean(std::uint32_t a, std::uint32_t b, float load) {
+  standing_[b].side = std::max(standing_[b].side, load);
+  if (a != kNone) standing_[a].side = std::max(standing_[a].side, load);
+}
+
+// The contacts of a strip, in any order: what is counted does not depend on it.
+void Stacks::count_supports(const Manifolds::StripBlocks& strip, Vec2 gravity) {
+  const Weight weight(gravity);
+  for (std::uint32_t block = 0; block < strip.lasting.steady.size(); ++block) {
+    const std::uint32_t steady = strip.lasting.steady[block];
+    if (steady == 0) continue;
+    const kernels::LastingBlock& then = strip.lasting.then[block];
+    const Standing8 s = standing_of(strip.blocks[block], then, weight);
+    const std::uint32_t touch = s.touch & steady;
+    const bool fixed = block >= strip.end[1];
+    const auto a = [&](std::uint32_t l) { return fixed ? kNone : then.body[2 * l]; };
+    const auto b = [&](std::uint32_t l) { return then.body[2 * l + 1]; };
+    each_lane(touch & s.up, [&](std::uint32_t l) { stand(b(l), a(l), then.pair[l], s.load[l]); });
+    each_lane(touch & s.down, [&](std::uint32_t l) { stand(a(l), b(l), then.pair[l], s.load[l]); });
+    each_lane(touch & ~(s.up | s.down), [&](std::uint32_t l) { lean(a(l), b(l), s.load[l]); });
+  }
+  for (const std::uint32_t k : strip.active) {
+    if (manifolds_.steady_lane(strip, k) != kNone) continue;
+    const ManifoldPair& pair = manifolds_.pairs()[k];
+    const float load = load_of(pair);
+    if (pair.manifold.count == 0 || !touch(b_, pair, load)) continue;
+    const double along = weight.along(pair.manifold.nx, pair.manifold.ny);
+    if (along <= -weight.least) {
+      stand(pair.b, pair.a, k, load);
+    } else if (along >= weight.least) {
+      stand(pair.a, pair.b, k, load);
+    } else {
+      lean(pair.a, pair.b, load);
+    }
+  }
+}
+
 // Counts for each body the contacts on which it stands and those that it carries.
 void Stacks::find_supports(Vec2 gravity) {
-  const double g = length_of(gravity);
   standing_.resize(std::max<std::size_t>(standing_.size(), b_.count));
-  const auto each_active = [&](const auto& visit) {
-    run_phases(manifolds_.strip_count(), pool_, [&](std::size_t strip) {
-      for (const std::uint32_t k : manifolds_.strip(strip).active) visit(k, manifolds_.pairs()[k]);
-    });
-  };
   const std::vector<std::uint32_t>& shaped = manifolds_.shaped();
   if (shaped.size() > b_.count / kFew) {
     run_stream(b_.blocks(), pool_, [&](BlockRange r) {
@@ -89,33 +165,18 @@ void Stacks::find_supports(Vec2 gravity) {
       std::fill(standing_.begin() + begin, standing_.begin() + end, Standing());
     });
   } else {  // the discs beside them have such numbers, too
-    each_active([&](std::uint32_t, const ManifoldPair& pair) {
-      standing_[pair.b] = {};
-      if (pair.a != kNone) standing_[pair.a] = {};
+    run_phases(manifolds_.strip_count(), pool_, [&](std::size_t strip) {
+      for (const std::uint32_t k : manifolds_.strip(strip).active) {
+        const ManifoldPair& pair = manifolds_.pairs()[k];
+        standing_[pair.b] = {};
+        if (pair.a != kNone) standing_[pair.a] = {};
+      }
     });
     for (const std::uint32_t slot : shaped) standing_[slot] = {};
   }
-  each_active([&](std::uint32_t k, const ManifoldPair& pair) {
-    if (!(g > 0) || !touch(b_, pair)) return;
-    const double up = -dot(gravity, {pair.manifold.nx, pair.manifold.ny}) / g;
-    const float load = pair.impulse[0] + (pair.manifold.count == 2 ? pair.impulse[1] : 0);
-    const auto stand = [&](std::uint32_t upper, std::uint32_t lower) {
-      if (upper != kNone) {
-        ++standing_[upper].below;
-        standing_[upper].on = k;
-        standing_[upper].support = load;
-      }
-      if (lower != kNone) ++standing_[lower].above;
-    };
-    if (up >= kSupport) {
-      stand(pair.b, pair.a);
-    } else if (up <= -kSupport) {
-      stand(pair.a, pair.b);
-    } else {
-      standing_[pair.b].side += load;
-      if (pair.a != kNone) standing_[pair.a].side += load;
-    }
-  });
+  if (!(length_of(gravity) > 0)) return;
+  run_phases(manifolds_.strip_count(), pool_,
+             [&](std::size_t strip) { count_supports(manifolds_.strip(strip), gravity); });
 }
 
 // Marks the bodies that are the upper one of a link, and those that carry one.

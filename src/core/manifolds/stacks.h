@@ -93,11 +93,11 @@ class Stacks {
 
   // The contacts on which a body stands, and those that it carries.
   struct Standing {
-    std::uint32_t below = 0, above = 0;  // contacts
-    std::uint32_t on = kNone;            // the pair that supports the body
-    float support = 0, side = 0;         // impulses
-    bool link = false;                   // the body is the upper one of a link
-    bool carries = false;                // the body is the lower one of a link
+    std::uint8_t below = 0, above = 0;  // contacts, counted up to 2
+    bool link = false;                  // the body is the upper one of a link
+    bool carries = false;               // the body is the lower one of a link
+    std::uint32_t on = kNone;           // the pair that supports the body
+    float support = 0, side = 0;        // N s: of what supports it, the most of a contact at its side
   };
   struct Stack {
     std::uint32_t first = 0, count = 0;  // links, from the bottom
@@ -105,6 +105,9 @@ class Stacks {
 
   std::span<StackLink> links_of(const Stack& stack) { return std::span(links_).subspan(stack.first, stack.count); }
   void find_supports(Vec2 gravity);
+  void count_supports(const Manifolds::StripBlocks& strip, Vec2 gravity);
+  void stand(std::uint32_t upper, std::uint32_t lower, std::uint32_t pair, float load);
+  void lean(std::uint32_t a, std::uint32_t b, float load);
   void mark_links();
   bool follow_down(std::uint32_t top);
   void add_stack(std::size_t begin, std::size_t end);

@@ -131,7 +131,7 @@ struct Approach {
   void shapes(std::vector<Candidate>& out) const {
     for (std::uint32_t k = 0; k < manifolds.pairs().size(); ++k) {
       const ManifoldPair& pair = manifolds.pairs()[k];
-      if (pair.lane == PairName::kNone && !pair.flying) continue;
+      if (!pair.active && !pair.flying) continue;
       const Vec2 normal{wide(pair.manifold.nx), wide(pair.manifold.ny)};
       for (int corner = 0; corner < pair.manifold.count; ++corner) {
         const ManifoldPoint& p = pair.manifold.point[corner];

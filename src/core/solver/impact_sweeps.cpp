@@ -165,7 +165,11 @@ void Solver::touch_resting(const SolverInput& in) {
     if (in.contacts.manifolds.any()) {
       for (const std::uint32_t k : in.contacts.manifolds.strip(index).active) {
         const ManifoldPair& pair = in.contacts.manifolds.pairs()[k];
-        if (!(pair.impulse[0] > 0) && !(pair.impulse[1] > 0)) continue;
+        const auto presses = [&](int p) {
+          const kernels::ManifoldBlock& c = in.contacts.manifolds.strip(index).blocks[pair.lane / kernels::kBlock];
+          return c.point[p].impulse[pair.lane % kernels::kBlock] > 0;
+        };
+        if (!presses(0) && !presses(1)) continue;
         shapes = true;
         touch(pair.b);
         if (!pair.of_piece()) touch(pair.a);

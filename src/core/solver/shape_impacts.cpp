@@ -105,6 +105,7 @@ void Solver::list_bouncing(const SolverInput& in) {
       const ManifoldPair& pair = manifolds.pairs()[k];
       float& e = strip.blocks[pair.lane / kernels::kBlock].e[pair.lane % kernels::kBlock];
       if (e == 0) continue;
+      manifolds.catch_up(strip, k);
       e = std::fabs(e);
       const bool rests = touched_[pair.b] != 0 || (!pair.fixed_a && touched_[pair.a] != 0);
       if (e == 1 || !rests)

@@ -126,9 +126,9 @@ void one_value(Archive& a, ManifoldPair& p) {
   values(a, p.manifold, p.base, p.turn_a, p.turn_b, p.margin);
   for (int k = 0; k < 2; ++k) values(a, p.gap[k], p.impulse[k], p.friction[k], p.offset[k]);
   values(a, p.round_a, p.round_b, p.roll, p.crossing, p.active, p.ahead, p.flying, p.ghost, p.moved, p.landing,
-         p.rocking, p.lasting, p.changed, p.stack, p.was_stack, p.rest_frames, p.recalled, p.colour, p.balanced,
+         p.rocking, p.lasting, p.changed, p.stack, p.was_stack, p.rest_frames, p.idle, p.recalled, p.colour, p.balanced,
          p.placed, p.stands, p.hangs, p.yields);
-  a.require(p.manifold.count >= 0 && p.manifold.count <= 2 && p.recalled <= 2);
+  a.require(p.manifold.count >= 0 && p.manifold.count <= 2 && p.recalled <= 2 && p.idle <= ManifoldPair::kIdle);
   a.require((p.a == PairName::kNone) == (p.shape != PairName::kNone));
   a.require(p.colour < 4 * ManifoldPair::kColours || p.colour == ManifoldPair::kAlone);
 }
@@ -226,11 +226,16 @@ void Manifolds::follow_from_pairs() {
     std::erase_if(s.watched, [&](std::uint32_t k) { return k >= pairs_.size(); });
     s.landing.clear();
     s.open.clear();
+    s.lasting.clear();
+    s.lasting.reserve(s.blocks.size());
+    for (auto* list : {&s.rewrite, &s.idle, &s.fresh}) list->reserve(s.laid.size());
     std::ranges::copy_if(s.active, std::back_inserter(s.landing),
                          [&](std::uint32_t k) { return k < pairs_.size() && pairs_[k].landing; });
     std::ranges::copy_if(s.active, std::back_inserter(s.open),
                          [&](std::uint32_t k) { return k < pairs_.size() && pairs_[k].rocking; });
   }
+  known_lane_.assign(pairs_.size(), PairName::kNone);
+  stood_known_ = false;
   old_pairs_.clear();
   both_ = collecting_ = false;
   indexed_ = fixed_known_ = false;
@@ -238,6 +243,7 @@ void Manifolds::follow_from_pairs() {
   rotor_.reserve(2 * std::size_t{slots});
   inner_.reserve(slots);
   used_.reserve(slots);
+  stood_.resize(slots);
 }
 
 void Manifolds::check_pair(Archive& a, const ManifoldPair& p, const ManifoldsAround& around) const {

@@ -88,7 +88,10 @@ void lose(StepReport& report, const char* what) {
 
 // Substeps, continuous collision, the rest of the way; bodies that may not be where they are then.
 void move(Owners& w, double dt, StepReport& report) {
-  if (w.plan.events) w.observers.events.approach(w.observed(), dt);
+  if (w.plan.events) {
+    w.contacts.manifolds.catch_up();
+    w.observers.events.approach(w.observed(), dt);
+  }
   const Moved moved = move_bodies(w, dt, report);
   if (w.joints.any_fragile()) {
     try {
