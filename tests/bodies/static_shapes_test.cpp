@@ -1,6 +1,6 @@
 // Static discs, segments and chains: smooth to roll over, tight to be inside of, solid from both
 // sides.
-#include "support.h"
+#include "rigid_support.h"
 
 namespace psim::test {
 namespace {
@@ -254,6 +254,31 @@ TEST(StaticShapes, ManySmallDiscsDrainThroughAGap) {
     }
   }
   EXPECT_TRUE(all_inside(*world));
+}
+
+// Wide floors, one above the other: a body is near the one on which it lies, and not near those whose boxes are far away,
+// however wide they are.
+TEST(StaticShapes, WideBoxesAreNearNobodyFarAbove) {
+  constexpr int kFloors = 12, kBodies = 10;
+  for (const double angle : {0.0, 0.5 * kPi}) {  // as a box that is turned, too
+    for (const Boundary boundary : {Boundary::open, Boundary::periodic}) {
+      WorldDesc desc = unbounded(200);
+      if (boundary == Boundary::periodic) desc = periodic(400, 400);
+      desc.gravity = {0, -kG};
+      const double middle = boundary == Boundary::periodic ? 200 : 0;
+      auto world = make(desc);
+      for (int floor = 0; floor < kFloors; ++floor) {
+        const double y = middle + 12.0 * floor - 70;
+        const Vec2 at{middle, y - 0.25};
+        const BodyDesc plate = angle == 0 ? box(at, 180, 0.5) : turned(box(at, 0.5, 180), angle);
+        add(*world, fixed(plate));
+        for (int k = 0; k < kBodies; ++k) add(*world, box({middle + 8.0 * k - 40, y + 0.5}, 1, 1));
+      }
+      EXPECT_EQ(world->step().pairs, static_cast<std::uint64_t>(kFloors * kBodies));
+      run(*world, 30);
+      for (const psim::Contact& c : world->contacts()) EXPECT_NEAR(c.separation, 0, 0.001);
+    }
+  }
 }
 
 }  // namespace

@@ -119,9 +119,12 @@ StaticShapes::LatticeBox StaticShapes::around(std::uint32_t number, double far) 
   const StaticShape& s = statics_[number];
   const std::int32_t way_x = s.segment ? wrap_sub(s.q.x, s.p.x) / 2 : 0;
   const std::int32_t way_y = s.segment ? wrap_sub(s.q.y, s.p.y) / 2 : 0;
-  const double px = lattice_->pitch_x(), py = lattice_->pitch_y(), room = size_of(s) + far + 2 * px + 2 * py;
-  const auto half = [&](std::int32_t way, double pitch) { return steps_of(room / pitch + 2 + std::abs(way)); };
-  return {wrap_add(s.p.x, way_x), wrap_add(s.p.y, way_y), half(way_x, px), half(way_y, py)};
+  const Bounds e = extent_of(s);
+  const auto half = [&](double room, std::int32_t way, double pitch) {
+    return steps_of((room + far) / pitch + 2 + std::abs(way));
+  };
+  return {wrap_add(s.p.x, way_x), wrap_add(s.p.y, way_y), half(greater(-e.xmin, e.xmax), way_x, lattice_->pitch_x()),
+          half(greater(-e.ymin, e.ymax), way_y, lattice_->pitch_y())};
 }
 
 void StaticShapes::enter(HashGrid& grid, std::uint32_t number) const {
@@ -364,8 +367,9 @@ void StaticShapes::near(std::int32_t x, std::int32_t y, float reach, std::vector
   // Ways are measured from the place, so that they cross a periodic seam.
   const auto beyond = [&](const StaticShape& s) {
     const Vec2 a = lattice_->steps({x, y}, s.p), b = s.segment ? a + lattice_->steps(s.p, s.q) : a;
-    const double far = r + 2 * px + 2 * py + size_of(s);
-    return lesser(a.x, b.x) > far || greater(a.x, b.x) < -far || lesser(a.y, b.y) > far || greater(a.y, b.y) < -far;
+    const Bounds e = extent_of(s);
+    return lesser(a.x, b.x) + e.xmin > r || greater(a.x, b.x) + e.xmax < -r || lesser(a.y, b.y) + e.ymin > r ||
+           greater(a.y, b.y) + e.ymax < -r;
   };
   const auto apart = [&](const StaticShape& s) { return !overlap(box_of(s), square); };
   if (!standing_.empty()) {

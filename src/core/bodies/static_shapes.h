@@ -180,13 +180,26 @@ class StaticShapes {
   };
   LatticeBox around(std::uint32_t number, double far) const;
   void enter(HashGrid& grid, std::uint32_t number) const;
-  double size_of(const StaticShape& s) const { return s.whole ? hulls_[s.hull].reach : s.radius; }
+  // How far a piece reaches beyond its place, or beyond both ends of a segment, m, with some room for rounding.
+  Bounds extent_of(const StaticShape& s) const {
+    const double room = 2 * lattice_->pitch_x() + 2 * lattice_->pitch_y();
+    const double r = static_cast<double>(s.whole ? hulls_[s.hull].radius : s.radius) + room;
+    if (!s.whole) return {-r, -r, r, r};
+    const Hull& hull = hulls_[s.hull];
+    Bounds e{hull.vertex(0).x, hull.vertex(0).y, hull.vertex(0).x, hull.vertex(0).y};
+    for (int k = 1; k < hull.count; ++k) {
+      const Vec2 v = hull.vertex(k);
+      e = {lesser(v.x, e.xmin), lesser(v.y, e.ymin), greater(v.x, e.xmax), greater(v.y, e.ymax)};
+    }
+    return {e.xmin - r, e.ymin - r, e.xmax + r, e.ymax + r};
+  }
   Vec2 metres(const LatticePoint& p) const { return lattice_->metres(p.x, p.y); }
   // Here, for near() asks it of every shape that a cell names.
   Bounds box_of(const StaticShape& s) const {
     const Vec2 p = metres(s.p), q = s.segment ? metres(s.q) : p;
-    const double r = size_of(s) + 2 * lattice_->pitch_x() + 2 * lattice_->pitch_y();
-    return {lesser(p.x, q.x) - r, lesser(p.y, q.y) - r, greater(p.x, q.x) + r, greater(p.y, q.y) + r};
+    const Bounds e = extent_of(s);
+    return {lesser(p.x, q.x) + e.xmin, lesser(p.y, q.y) + e.ymin, greater(p.x, q.x) + e.xmax,
+            greater(p.y, q.y) + e.ymax};
   }
   bool beside(const StaticShape& s, Vec2 at, double reach) const;
   bool is_inside(const StaticShape& whole, const LatticePoint& at) const;

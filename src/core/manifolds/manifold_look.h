@@ -87,6 +87,11 @@ struct Manifolds::Look {
     return c > 0 ? 1.42f * std::fabs(s) : 2.0f;  // twice the sine of half the angle
   }
 
+  // m: so many lattice steps and a rest, as lasting_kernel.h computes it.
+  static float moved_by(std::int32_t to, std::int32_t from, double pitch, float rest) {
+    return static_cast<float>(wrap_sub(to, from)) * static_cast<float>(pitch) + rest;
+  }
+
   // Whether the manifold of a pair still holds. If so, its gaps are computed anew. Fills in how the pair stands.
   bool lasts(ManifoldPair& pair, Stand& now) const {
     const bool fixed = pair.of_piece();
@@ -103,9 +108,6 @@ struct Manifolds::Look {
     }
     now.qb = rotor(j);
     now.qa = fixed ? Rotor{} : rotor(i);
-    const auto moved_by = [](std::int32_t to, std::int32_t from, double pitch, float rest) {
-      return static_cast<float>(wrap_sub(to, from)) * static_cast<float>(pitch) + rest;
-    };
     const float move_x = moved_by(now.at.x, pair.base.x, lattice.pitch_x(), now.at.dx - pair.base.dx);
     const float move_y = moved_by(now.at.y, pair.base.y, lattice.pitch_y(), now.at.dy - pair.base.dy);
     // Bodies with a smaller gap may touch within the step.

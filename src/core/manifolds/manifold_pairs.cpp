@@ -74,6 +74,7 @@ void Manifolds::spare(std::size_t pairs, std::size_t strips) {
   touch(pairs_, pairs);
   touch(old_pairs_, pairs);
   touch(index_.entries, pairs);
+  touch(known_lane_, pairs);
   if (found_.size() < strips) found_.resize(strips);
   if (strips_.size() < strips) strips_.resize(strips);
   const std::size_t each = 2 * pairs / strips + 64;

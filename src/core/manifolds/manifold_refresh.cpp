@@ -73,7 +73,8 @@ bool Manifolds::note_contact(StripBlocks& strip, std::uint32_t k, bool laid) {
   if (opens) pair.idle = 1;
   if (opens && laid) {
     if (known_lane_[k] != PairName::kNone) strip.lasting.forget(std::exchange(known_lane_[k], PairName::kNone));
-    open_lane(strip.blocks[pair.lane / kernels::kBlock], pair.lane % kernels::kBlock);
+    const std::size_t block = pair.lane / kernels::kBlock;
+    if (block < strip.blocks.size()) open_lane(strip.blocks[block], pair.lane % kernels::kBlock);
     pair.changed = true;
   }
   if (!pair.is_idle()) return true;  // long enough

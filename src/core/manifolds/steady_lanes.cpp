@@ -76,6 +76,7 @@ void Manifolds::note_steady(std::size_t index) {
   for (std::uint32_t k = begin_[index]; k < begin_[index + 1]; ++k) {
     if (known_lane_[k] != PairName::kNone || !may_be_steady(pairs_[k])) continue;
     const ManifoldPair& pair = pairs_[k];
+    if (!lies(index, pair)) continue;
     const float inner = s_.bodies.kind(pair.id_b).inner;
     strip.lasting.note(strip.blocks.size(), k, pair, kTouching * inner, pair.of_piece() ? -kDeep * inner : -kNoGap);
     known_lane_[k] = pair.lane;
