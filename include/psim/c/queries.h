@@ -101,7 +101,7 @@ typedef struct psim_contact {
   psim_vec2 point;    ///< metres: midway between the two surfaces
   psim_vec2 normal;   ///< of length 1, from a to b
   double separation;  ///< metres along the normal, negative in overlap
-  double impulse;     ///< N s, >= 0: that the step put on b along the normal, and its opposite on a
+  double impulse;     ///< N s, >= 0: what the last substep put on b along the normal, times the substeps
   double friction;    ///< N s: likewise along (-normal.y, normal.x)
 } psim_contact;
 
