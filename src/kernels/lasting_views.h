@@ -1,4 +1,5 @@
-// What is known of manifolds in lanes since their hulls were looked at.
+// The kernel for manifolds that last (lasting_kernel.h) reads here how the bodies of each lane stood when their hulls were
+// looked at.
 #pragma once
 
 #include <cstdint>

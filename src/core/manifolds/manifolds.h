@@ -218,7 +218,7 @@ class Manifolds {
   /// Gives the pairs that are steady the gaps that were found for this step, and their impulses.
   void catch_up();
   void catch_up(const StripBlocks& strip, std::uint32_t k);  ///< the same for one pair
-  /// The lane of a pair that is steady in this step (SteadyLanes), or kNone. The pairs of a strip come one after another.
+  /// The lane of a pair of this strip that is steady in this step (SteadyLanes), or kNone.
   std::uint32_t steady_lane(const StripBlocks& strip, std::uint32_t k) const {
     const std::uint32_t lane = k < known_lane_.size() ? known_lane_[k] : PairName::kNone;
     return lane != PairName::kNone && strip.lasting.is_steady(lane) ? lane : PairName::kNone;
@@ -331,7 +331,7 @@ class Manifolds {
   void place_pairs(std::size_t strips);
   Looks look(const ManifoldParams& params, const Cut& cut);
   void look_in_lanes(const ManifoldParams& params, bool allowed);
-  bool may_be_steady(const ManifoldPair& pair) const;
+  bool may_be_steady(std::uint32_t k) const;
   void note_steady(std::size_t strip);
   void forget_steady(std::size_t strip);
   void forget_steady(std::uint32_t k, std::size_t strip);

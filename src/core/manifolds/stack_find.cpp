@@ -19,7 +19,7 @@ constexpr double kCalm = 0.06, kShaken = 1.2;
 constexpr std::uint32_t kFew = 16;  // shapes are few if no more than one in kFew bodies is one
 constexpr std::size_t kRoom = 64;   // there is room for so many links, and for one for every eight bodies
 
-// Whether the bodies of a pair touch, and the impulse that they exchange, N s.
+// The impulse that the bodies of a pair exchange, N s, and whether they touch.
 float load_of(const ManifoldPair& p) { return p.impulse[0] + (p.manifold.count == 2 ? p.impulse[1] : 0); }
 bool touch(const BodyStore& b, const ManifoldPair& p, float load) {
   return load > 0 || p.least_gap() <= kTouching * b.kind(p.id_b).inner;
@@ -104,7 +104,7 @@ void Stacks::find(const ManifoldParams& params) {
   }
 }
 
-// B or A stands on the other one.
+// Notes that one body stands on another one.
 void Stacks::stand(std::uint32_t upper, std::uint32_t lower, std::uint32_t pair, float load) {
   const auto count = [](std::uint8_t& contacts) {
     if (contacts < 2) ++contacts;
