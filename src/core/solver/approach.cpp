@@ -29,7 +29,9 @@ Approach::Frame Approach::frame(double share) const {
 
 // In the frame of A, the centre of B goes with u = w - turn_A x p, which changes no faster than
 // |turn_A| (2 |w| + |turn_A| |p|), since the frame turns. A point of B turns about its centre on top of that: no faster
-// than |turn| reach, and along the normal no faster than now, plus turn^2 reach for what the rotation adds.
+// than |turn| reach, and along the normal as fast as now, changed by at most turn^2 reach for what the rotation adds.
+// The distance is no less than what parts A from the vertex of B that lies lowest along the normal of now. Each of them
+// has its own height and its own speed.
 Approach::Stand Approach::stand(double share, double limit) const {
   const Frame f = frame(share);
   const Vec2 centre = f.pivot - of_a_.arm;
@@ -45,11 +47,17 @@ Approach::Stand Approach::stand(double share, double limit) const {
   if (!(gap > 0)) return s;
   s.advance = time_to_close(gap, closing + std::fabs(turn_) * reach, growth);
   if (turn_ == 0 || reach == 0) return s;
-  double swing = -1e300;
+  Vec2 corner[Hull::kMost];
+  double lowest = 1e300, soonest = 1e300;
   for (int k = 0; k < b_.count; ++k) {
-    swing = greater(-turn_ * dot(n, upright(turned(qb, b_.vertex(k)))), swing);
+    corner[k] = turned(qb, b_.vertex(k));
+    lowest = lesser(dot(n, corner[k]), lowest);
   }
-  s.advance = greater(time_to_close(gap, closing + swing, growth + turn_ * turn_ * reach), s.advance);
+  for (int k = 0; k < b_.count; ++k) {
+    const double higher = dot(n, corner[k]) - lowest, swing = -turn_ * dot(n, upright(corner[k]));
+    soonest = lesser(time_to_close(gap + higher, closing + swing, growth + turn_ * turn_ * reach), soonest);
+  }
+  s.advance = greater(soonest, s.advance);
   return s;
 }
 

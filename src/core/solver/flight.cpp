@@ -10,6 +10,7 @@ namespace psim {
 namespace {
 
 constexpr int kMostImpacts = 96;   // in a step; then the body stays where it met the last one
+constexpr int kMostIdle = 3;       // impacts one after another that neither bring the body on nor change its way
 constexpr double kAlike = 0.9999;  // normals with a larger cosine between them count as equal
 constexpr double kDeeper = 0.1;    // share of the inner radius by which hulls would overlap in an impact
 
@@ -63,9 +64,10 @@ Course Flight::rest_of(const Course& c) const {
 Course Flight::leg() const { return {at_, left_ * way_.along, angle_, left_ * way_.turn}; }
 
 int Flight::run(std::vector<std::uint32_t>& near, std::span<const std::uint32_t> partners) {
-  int impacts = 0;
+  int impacts = 0, idle = 0;
   for (; impacts < kMostImpacts; ++impacts) {
     find(near, partners);
+    const Rates before = way_;
     const double share = lesser(first_.share, 1);
     at_ = at_ + share * left_ * way_.along;
     angle_ += share * left_ * way_.turn;
@@ -73,7 +75,9 @@ int Flight::run(std::vector<std::uint32_t>& near, std::span<const std::uint32_t>
     way_.along = way_.along + (share - 0.5) * left_ * space_.dt * fall_;
     left_ *= 1 - share;
     if (first_.share > 1) break;
-    if (!bounce(near) && share == 0) {  // something else holds it
+    const bool held = !bounce(near) && share == 0;  // by something else
+    idle = share == 0 && is_alike(before) ? idle + 1 : 0;
+    if (held || idle == kMostIdle) {
       ++impacts;
       break;
     }
@@ -82,6 +86,13 @@ int Flight::run(std::vector<std::uint32_t>& near, std::span<const std::uint32_t>
   if (first_.share <= 1) ride();
   if (impacts != 0) store();
   return impacts;
+}
+
+// Whether an impact changed the way by less than can be seen. What is pressed and cannot get out is struck again and
+// again, and its way comes nearer to its end by a share of what is left.
+bool Flight::is_alike(const Rates& before) const {
+  const double turned = std::fabs(way_.turn - before.turn) * double{b_.radius[slot_]};
+  return length_of(way_.along - before.along) + turned <= kTolerance * double{inner_};
 }
 
 // The last impact leads to no way on: for the rest of the step, the body moves with what it met.

@@ -102,6 +102,7 @@ class Flight {
   template <class Each>
   void each_beside(std::span<const std::uint32_t> near, const Each& each) const;
   bool bounce(std::span<const std::uint32_t> near);
+  bool is_alike(const Rates& before) const;
   void ride();
   void store() const;
 
