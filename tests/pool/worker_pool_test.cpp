@@ -152,7 +152,7 @@ TEST(WorkerPool, WorkersWakeForEveryStep) {
   for (int step = 0; step < 500; ++step) {
     const Awake awake(pool);
     ASSERT_EQ(wrong_jobs(pool, static_cast<std::size_t>(step % 20)), 0u);
-    std::this_thread::sleep_for(250us);  // small steps may have one thread
+    std::this_thread::sleep_for(1100us);  // short steps may have one thread
     if (step < 50 * seen || pool.active() != pool.threads()) continue;
     ASSERT_EQ(all_threads(pool, std::this_thread::get_id).size(), 3u);
     ++seen;

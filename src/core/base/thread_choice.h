@@ -1,13 +1,14 @@
 // Chooses how many threads the next step has, by how long the last steps took. Results do not depend on it.
 //
 // Where the caller waited for most of a step, a worker lost its core: the next steps have half of the threads. And a step
-// of some ten microseconds is over sooner on one thread than others can be told of it: small steps are tried both ways.
-// docs/decisions/006-worker-pool.md
+// of some hundred microseconds may be over sooner on fewer threads, since others must be told of each of its runs: short
+// steps are tried with all threads, half of them, and so on down to one. docs/decisions/006-worker-pool.md
 #pragma once
 
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <utility>
 
 namespace psim {
 
@@ -16,7 +17,9 @@ class ThreadChoice {
   using Duration = std::chrono::steady_clock::duration;
 
   /// `crowded`: there are more threads than cores, so that workers lose theirs all the time.
-  ThreadChoice(std::size_t threads, bool crowded) : threads_(threads), active_(threads), crowded_(crowded) {}
+  ThreadChoice(std::size_t threads, bool crowded) : threads_(threads), active_(threads), crowded_(crowded) {
+    try_all();
+  }
 
   /// Threads of the next step.
   std::size_t active() const { return active_; }
@@ -24,26 +27,31 @@ class ThreadChoice {
   void note(Duration step, Duration waited);
 
  private:
-  enum class Trial { together, alone, settled };
-
   void weigh(Duration step);
-  void go_on(Trial trial);
+  void try_all();
+  void settle();
 
   static constexpr std::chrono::microseconds kStall{100};  // shorter waits are no reason to do without workers
-  // Steps up to kSmall are tried both ways, kTried steps each; so are those on one thread that grew to kGrown. The choice
-  // stands for kSettled steps.
-  static constexpr std::chrono::microseconds kSmall{150}, kGrown{200};
-  static constexpr int kTried = 8, kSettled = 1024;
+  // Steps up to kShort are tried (kGrown longer ones in a row end that), kTried of them with each number of threads, and all of that kRounds times, for other
+  // programs come and go. More threads than need be must be worth it: the fewest are taken whose shortest step is within
+  // kWorth of the shortest of all. That stands for kSettled steps, or until the shortest of kTried in a row is far from
+  // what it was: kChanged is their ratio. It ends at once after kGrown steps in a row that took kGrownBy times as long.
+  static constexpr std::chrono::microseconds kShort{1000};
+  static constexpr int kTried = 6, kRounds = 2, kSettled = 1024, kGrown = 2, kGrownBy = 4, kMostHalvings = 16;
+  static constexpr double kWorth = 1.25, kChanged = 2;
   static constexpr int kShortPause = 4, kLongPause = 64;
 
   std::size_t threads_, active_;
   bool crowded_;
   int fewer_ = 0, good_ = 0;  // steps with fewer threads that are to come; good ones in a row
   int pause_ = kShortPause;   // as many after the next that is held up
-  // Small steps in a row: of the present part of a trial, and the shortest of those together and of those alone.
-  Trial trial_ = Trial::together;
-  int small_ = 0;
-  Duration together_ = Duration::max(), alone_ = Duration::max();
+  bool settled_ = false;
+  int grown_ = 0;                        // steps in a row that took far longer
+  int steps_ = 0;                        // with the present number of threads
+  int round_ = 0, halvings_ = 0;         // of the trial; and how often the number of threads was halved
+  Duration shortest_[kMostHalvings];     // in the trial, by halvings
+  Duration recent_ = Duration::max();    // the shortest of up to kTried steps
+  Duration expected_ = Duration::max();  // the shortest, where the trial ended
 };
 
 inline void ThreadChoice::note(Duration step, Duration waited) {
@@ -55,7 +63,7 @@ inline void ThreadChoice::note(Duration step, Duration waited) {
   good_ = held_up ? 0 : good_ + 1;
   if (good_ == kLongPause) pause_ = kShortPause;
   if (!held_up) return weigh(step);
-  go_on(Trial::together);
+  try_all();
   active_ = std::max<std::size_t>(1, threads_ / 2);
   fewer_ = pause_;
   pause_ = std::min(2 * pause_, kLongPause);
@@ -63,19 +71,47 @@ inline void ThreadChoice::note(Duration step, Duration waited) {
 
 inline void ThreadChoice::weigh(Duration step) {
   if (threads_ == 1) return;
-  const bool alone = active_ == 1;
-  if (step > (alone ? kGrown : kSmall)) return go_on(Trial::together);
-  Duration& best = alone ? alone_ : together_;
-  if (trial_ != Trial::settled) best = std::min(best, step);
-  if (++small_ < (trial_ == Trial::settled ? kSettled : kTried)) return;
-  go_on(trial_ == Trial::together ? Trial::alone : trial_ == Trial::alone ? Trial::settled : Trial::together);
+  const bool is_long = settled_ ? step > kGrownBy * expected_ : step > kShort;
+  grown_ = is_long ? grown_ + 1 : 0;
+  if (grown_ == kGrown) return settled_ || active_ == threads_ ? try_all() : settle();
+  if (is_long) return;
+  recent_ = std::min(recent_, step);
+  if (++steps_ % kTried != 0) return;
+  const Duration recent = std::exchange(recent_, Duration::max());
+  if (settled_) {
+    const double ratio = std::chrono::duration<double>(recent) / std::chrono::duration<double>(expected_);
+    if (steps_ >= kSettled || ratio > kChanged || ratio * kChanged < 1) try_all();
+    return;
+  }
+  shortest_[halvings_] = std::min(shortest_[halvings_], recent);
+  if (active_ != 1) {
+    active_ /= 2;
+    ++halvings_;
+  } else if (++round_ == kRounds) {
+    settle();
+  } else {
+    active_ = threads_;
+    halvings_ = 0;
+  }
 }
 
-inline void ThreadChoice::go_on(Trial trial) {
-  trial_ = trial;
-  small_ = 0;
-  if (trial == Trial::together) together_ = alone_ = Duration::max();
-  active_ = trial == Trial::alone || (trial == Trial::settled && alone_ < together_) ? 1 : threads_;
+inline void ThreadChoice::try_all() {
+  settled_ = false;
+  active_ = threads_;
+  steps_ = grown_ = round_ = halvings_ = 0;
+  recent_ = Duration::max();
+  std::fill_n(shortest_, kMostHalvings, Duration::max());
+}
+
+inline void ThreadChoice::settle() {
+  settled_ = true;
+  steps_ = grown_ = 0;
+  recent_ = Duration::max();
+  const Duration best = *std::min_element(shortest_, shortest_ + kMostHalvings);
+  int k = kMostHalvings - 1;
+  while (shortest_[k] == Duration::max() || std::chrono::duration<double>(shortest_[k]) > kWorth * best) --k;
+  active_ = std::max<std::size_t>(1, threads_ >> k);
+  expected_ = shortest_[k];
 }
 
 }  // namespace psim
