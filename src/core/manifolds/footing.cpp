@@ -25,19 +25,35 @@ std::uint32_t set_of(Column<std::uint32_t>& of, std::uint32_t slot) {
 
 }  // namespace
 
-// Finds the bodies that hang together with fixed ground: their entry in used_ is kGround.
+// The slots of an active pair; a fixed side is the ground.
+std::pair<std::uint32_t, std::uint32_t> Manifolds::sides_of_active(const StripBlocks& strip, std::uint32_t k) const {
+  const std::uint32_t lane = steady_lane(strip, k);
+  if (lane == PairName::kNone) return {pairs_[k].fixed_a ? kGround : pairs_[k].a, pairs_[k].b};
+  const std::uint32_t block = lane / kernels::kBlock;
+  const std::uint32_t* const body = strip.lasting.then[block].body + 2 * (lane % kernels::kBlock);
+  return {block < strip.end[1] ? body[0] : kGround, body[1]};
+}
+
+// Finds the bodies that hang together with fixed ground: their entry in used_ is kGround. All strips at once unite their
+// own bodies; then one thread goes over the pairs that reach across. The sets do not depend on the order.
 void Manifolds::find_standing() {
   std::iota(used_.data(), used_.data() + s_.bodies.count, 0u);
-  each_active([&](std::size_t s, std::uint32_t k) {
-    const std::uint32_t lane = steady_lane(strips_[s], k);
-    if (lane == PairName::kNone) {
-      unite(pairs_[k].fixed_a ? kGround : pairs_[k].a, pairs_[k].b);
-    } else {
-      const std::uint32_t block = lane / kernels::kBlock;
-      const std::uint32_t* const body = strips_[s].lasting.then[block].body + 2 * (lane % kernels::kBlock);
-      unite(block < strips_[s].end[1] ? body[0] : kGround, body[1]);
+  s_.pool.run(strip_count(), [&](std::size_t s) {
+    StripBlocks& strip = strips_[s];
+    const Range own = s < ranges_.size() ? ranges_[s] : Range{};
+    strip.across.clear();
+    for (const std::uint32_t k : strip.active) {
+      const auto sides = sides_of_active(strip, k);
+      if (own.has(sides.second) && (sides.first == kGround || own.has(sides.first))) {
+        unite(sides.first, sides.second);
+      } else {
+        strip.across.push_back(sides);
+      }
     }
   });
+  for (std::size_t s = 0; s < strip_count(); ++s) {
+    for (const auto& [a, b] : strips_[s].across) unite(a, b);
+  }
   name_sets();
 }
 
@@ -109,21 +125,20 @@ void Manifolds::find_footing() {
     if (stale_[strip] == 0 && !pair.changed) strips_[strip].rewrite.push_back(k);
     pair.changed = true;
   };
-  std::size_t turned = 0;
-  const auto each_changed = [&](const auto& visit) {
-    if (!few) return each_active(visit);
-    for (std::size_t s = 0; s < strip_count(); ++s) {
-      for (const std::uint32_t k : strips_[s].fresh) visit(s, k);
-    }
-  };
-  each_changed([&](std::size_t strip, std::uint32_t k) {
+  const auto look_again = [&](std::size_t strip, std::uint32_t k) {
     ManifoldPair& pair = pairs_[k];
     const bool stood = pair.stands;
     if (changed) pair.stands = pair.hangs = weighs_ && used_[pair.b] == kGround;
-    if (pair.placed || (stood && !pair.stands)) turned += touches(pair) ? 1 : 0;
+    if (pair.placed || (stood && !pair.stands)) strips_[strip].turned += touches(pair) ? 1 : 0;
     if (pair.stands && !stood && !pair.placed && touches(pair)) hold_out(k, strip);  // a group lands
     if (!tied) yield(strip, k, pair.hangs && !pair.fixed_a);
+  };
+  s_.pool.run(strip_count(), [&](std::size_t s) {
+    strips_[s].turned = 0;
+    for (const std::uint32_t k : few ? strips_[s].fresh : strips_[s].active) look_again(s, k);
   });
+  std::size_t turned = 0;
+  for (std::size_t s = 0; s < strip_count(); ++s) turned += strips_[s].turned;
   if (turned != 0 && few) catch_up();
   cold_ = weighs_ && touch_fewer(2 * turned);
   if (!tied && !cold_) return;

@@ -29,13 +29,19 @@ void recall_touch(const BodyStore& b, const StaticShapes& statics, const TouchMe
 
 }  // namespace
 
-void Manifolds::Index::make(std::span<const ManifoldPair> pairs, std::uint32_t ids) {
+// The pairs are long: what of them counts is read by all threads, and then sorted by one.
+void Manifolds::Index::make(std::span<const ManifoldPair> pairs, std::uint32_t ids, WorkerPool& pool) {
+  constexpr std::size_t kPairs = 1024;  // a job
+  owned.resize(pairs.size());
+  run_each(pairs.size(), kPairs, pool, [&](std::size_t k, std::size_t) {
+    owned[k] = {pairs[k].owner, pairs[k].mark()};
+  });
   const std::size_t all = std::max<std::size_t>(first.size(), std::size_t{ids} + 2);
   first.assign(all, 0);
-  for (const ManifoldPair& pair : pairs) ++first[pair.owner + 2];
+  for (const Owned& pair : owned) ++first[pair.owner + 2];
   for (std::size_t k = 2; k < all; ++k) first[k] += first[k - 1];
   entries.resize(pairs.size());
-  for (std::uint32_t k = 0; k < pairs.size(); ++k) entries[first[pairs[k].owner + 1]++] = {pairs[k].mark(), k};
+  for (std::uint32_t k = 0; k < owned.size(); ++k) entries[first[owned[k].owner + 1]++] = {owned[k].mark, k};
 }
 
 std::uint32_t Manifolds::Index::find(const PairName& pair, const std::vector<ManifoldPair>& pairs) const {
@@ -74,6 +80,7 @@ void Manifolds::spare(std::size_t pairs, std::size_t strips) {
   touch(pairs_, pairs);
   touch(old_pairs_, pairs);
   touch(index_.entries, pairs);
+  touch(index_.owned, pairs);
   touch(known_lane_, pairs);
   if (found_.size() < strips) found_.resize(strips);
   if (strips_.size() < strips) strips_.resize(strips);
@@ -102,6 +109,8 @@ void Manifolds::begin_collect(const CollectSettings& settings, const PairTable& 
   walls_ = settings.walls;
   const std::size_t strips = table.strips.size(), slots = kernels::round_up_block(b.count);
   found_.resize(std::max(found_.size(), strips));
+  counts_.resize(found_.size());
+  ranges_.resize(found_.size());
   kind_.reserve(slots);
   rotor_.reserve(2 * slots);
   inner_.reserve(slots);
@@ -137,7 +146,7 @@ void Manifolds::begin_collect(const CollectSettings& settings, const PairTable& 
   new_pairs_ = 0;
   old_pairs_.swap(pairs_);
   both_ = collecting_ = true;
-  index_.make(old_pairs_, b.id_count);
+  index_.make(old_pairs_, b.id_count, s_.pool);
   indexed_ = false;
   special_.resize(std::max(special_.size(), strips));
   for (std::size_t s = 0; s < strips; ++s) {
@@ -184,8 +193,9 @@ void Manifolds::box_parts() {
 // The pairs of a strip that stay in the lists close up.
 void Manifolds::sort_out(const Joined* joined, PairTable& table, std::size_t begin, std::size_t end) {
   s_.pool.run(end - begin, [&](std::size_t n) {
-    const std::size_t index = begin + n;
+    const std::size_t index = end - 1 - n;  // the last one, which may take longest, comes first
     Strip& s = table.strips[index];
+    ranges_[index] = {s.body_begin, s.body_end};
     found_[index].clear();
     const Sorter sorter{*this, joined, old_pairs_, found_[index]};
     // The pairs of a strip reach into the strip itself and into the next one; those of large bodies reach anywhere.
@@ -203,6 +213,12 @@ void Manifolds::sort_out(const Joined* joined, PairTable& table, std::size_t beg
     }
     s.pair_end = kept;
     std::erase_if(table.static_contacts[index], [&](const StaticPair& pair) { return sorter.leaves(pair); });
+    counts_[index] = {};
+    for (const FoundPair& pair : found_[index]) {
+      counts_[index].fresh += pair.before == PairName::kNone ? 1 : 0;
+      counts_[index].fixed |= pair.fixed_a;
+      counts_[index].kinematic |= pair.of_kinematic();
+    }
   });
   if (end == table.strips.size()) place_pairs(end);
 }
@@ -213,14 +229,13 @@ void Manifolds::place_pairs(std::size_t strips) {
   any_kinematic_ = false;
   for (std::size_t s = 0; s < strips; ++s) {
     begin_[s + 1] = begin_[s] + static_cast<std::uint32_t>(found_[s].size());
-    for (const FoundPair& pair : found_[s]) {
-      new_pairs_ += pair.before == PairName::kNone ? 1 : 0;
-      any_kinematic_ |= pair.of_kinematic();
-    }
+    new_pairs_ += counts_[s].fresh;
+    any_kinematic_ |= counts_[s].kinematic;
   }
   list_fixed([&](const auto& each) {
-    std::uint32_t k = 0;
     for (std::size_t s = 0; s < strips; ++s) {
+      std::uint32_t k = begin_[s];
+      if (!counts_[s].fixed) continue;
       for (const FoundPair& pair : found_[s]) each(pair, k++);
     }
   });
@@ -294,7 +309,7 @@ void Manifolds::note_renewed(std::span<const std::uint32_t> slots, const kernels
 void Manifolds::sort_out_renewed(const Joined* joined, std::vector<std::uint64_t>& pairs,
                                  std::vector<StaticPair>& near) {
   keep_impulses();
-  if (!indexed_) index_.make(std::span(pairs_).first(own_end_), s_.bodies.id_count);
+  if (!indexed_) index_.make(std::span(pairs_).first(own_end_), s_.bodies.id_count, s_.pool);
   indexed_ = true;
   parts_.prepare();
   renewed_.clear();

@@ -118,6 +118,7 @@ void Manifolds::finish_strip(const ManifoldParams& params, std::size_t index) {
     }
     if (pair.changed || pair.was_stack != ManifoldPair::kNoStack) strip.rewrite.push_back(k);
   }
+  strip.across.reserve(strip.active.capacity());
   stale_[index] = stale;
   strip.others |= stale || !strip.fresh.empty();
   if (!stale) {
@@ -227,8 +228,11 @@ void Manifolds::refresh(const ManifoldParams& params, std::size_t begin, std::si
       if (stale_[index] != 0) order_by_approach(index);
     }
   }
-  for (std::size_t k = begin; k < end && !at_end; ++k) {
-    if (last_of_strip(cuts_[k]) && !whole(cuts_[k])) finish_strip(params, cuts_[k].strip);
+  if (!at_end) {
+    s_.pool.run(end - begin, [&](std::size_t n) {
+      const Cut& c = cuts_[begin + n];
+      if (last_of_strip(c) && !whole(c)) finish_strip(params, c.strip);
+    });
   }
   if (end != cuts_.size()) return;
   new_pairs_ = 0;

@@ -98,10 +98,13 @@ class Manifolds {
     std::vector<std::uint32_t> landing;           // pairs whose bodies may meet in this step
     std::vector<std::uint32_t> open;              // pairs that are open in one of two points
     std::vector<std::uint32_t> watched;           // contacts with kinematic bodies, and pairs deep in something fixed
+    // The sides of active pairs with a body of another strip: slots, or the ground.
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> across;
     // The ends of four runs: pairs, pairs under heavy loads, pairs with a fixed side, the same under heavy loads.
     std::uint32_t end[4] = {};
     std::uint32_t colours = 0;
     std::uint32_t points = 0;  // points that touched or were near when the blocks were made, and idle pairs
+    std::uint32_t turned = 0;  // touching pairs that came to stand, or to fall, by how their bodies hang together
     bool others = false;       // some pairs are active that were not so in the last step, or the other way round
     SteadyLanes lasting;
   };
@@ -306,10 +309,24 @@ class Manifolds {
     struct Entry {
       std::uint32_t mark = 0, pair = 0;
     };
+    struct Owned {
+      std::uint32_t owner = 0, mark = 0;
+    };
     std::vector<std::uint32_t> first;
     std::vector<Entry> entries;
-    void make(std::span<const ManifoldPair> pairs, std::uint32_t ids);
+    std::vector<Owned> owned;  // by pair
+    void make(std::span<const ManifoldPair> pairs, std::uint32_t ids, WorkerPool& pool);
     std::uint32_t find(const PairName& pair, const std::vector<ManifoldPair>& pairs) const;
+  };
+  // Of the pairs that a strip found.
+  struct FoundCounts {
+    std::uint32_t fresh = 0;
+    bool fixed = false, kinematic = false;
+  };
+  // The slots of the bodies of a strip.
+  struct Range {
+    std::uint32_t begin = 0, end = 0;
+    bool has(std::uint32_t slot) const { return begin <= slot && slot < end; }
   };
   struct Sorter;  // manifold_pairs.cpp
   struct Look;    // manifold_look.cpp
@@ -387,6 +404,7 @@ class Manifolds {
   void order_scattered(std::vector<std::uint32_t>& active, const auto& of_ground, const auto& less);
   void finish_strip(const ManifoldParams& params, std::size_t strip);
   void find_standing();
+  std::pair<std::uint32_t, std::uint32_t> sides_of_active(const StripBlocks& strip, std::uint32_t k) const;
   bool stand_as_before();
   void unite(std::uint32_t slot_a, std::uint32_t slot_b);
   void name_sets();
@@ -412,6 +430,8 @@ class Manifolds {
   Index index_;                       // of the last lists while pairs are collected, of the present ones in renewals
   bool indexed_ = false;              // the index is that of the present pairs
   std::vector<std::vector<FoundPair>> found_;  // by strip: pairs that collect found
+  std::vector<FoundCounts> counts_;            // by strip, of these
+  std::vector<Range> ranges_;                  // by strip, if lists were made since the state came back
   std::vector<FoundPair> renewed_;             // pairs that were found in this renewal
   std::vector<ManifoldPair> before_;           // pairs of renewed bodies that were there before
   std::vector<std::uint64_t> fixed_;           // if some are kinematic: slot << 32 | pair with a fixed side, ascending
