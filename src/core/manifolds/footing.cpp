@@ -40,7 +40,7 @@ void Manifolds::find_standing() {
   std::iota(used_.data(), used_.data() + s_.bodies.count, 0u);
   s_.pool.run(strip_count(), [&](std::size_t s) {
     StripBlocks& strip = strips_[s];
-    const Range own = s < ranges_.size() ? ranges_[s] : Range{};
+    const SlotRange own = s < ranges_.size() ? ranges_[s] : SlotRange{};
     strip.across.clear();
     for (const std::uint32_t k : strip.active) {
       const auto sides = sides_of_active(strip, k);

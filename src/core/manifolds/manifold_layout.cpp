@@ -173,10 +173,10 @@ void Manifolds::clear() {
 
 void Manifolds::release() {
   clear();
-  give_back(pairs_, old_pairs_, renewed_, before_, begin_, index_.first, index_.entries, index_.owned, found_, counts_,
-            ranges_, strips_, special_, known_lane_, stood_, stale_, shaped_, fixed_, crowded_, turned_, turning_,
-            kind_, rotor_, inner_, used_, ties);
+  give_back(pairs_, old_pairs_, renewed_, before_, begin_, found_, counts_, ranges_, strips_, special_, known_lane_,
+            stood_, stale_, shaped_, fixed_, crowded_, turned_, turning_, kind_, rotor_, inner_, used_, ties);
   boxes_.release();
+  index_.release();
   give_back(long_);
   boxed_ = long_known_ = false;
 }
@@ -428,9 +428,9 @@ Manifolds::Closed Manifolds::closed(std::size_t index) const {
 }
 
 std::size_t Manifolds::bytes() const {
-  std::size_t sum = bytes_of(pairs_, old_pairs_, before_, renewed_, index_.first, shaped_, index_.entries, index_.owned,
-                             counts_, ranges_, fixed_, crowded_, turned_, turning_, known_lane_, stood_, ties) +
-                    parts_.bytes() + decisions_.bytes();
+  std::size_t sum = bytes_of(pairs_, old_pairs_, before_, renewed_, shaped_, counts_, ranges_, fixed_, crowded_,
+                             turned_, turning_, known_lane_, stood_, ties) +
+                    parts_.bytes() + index_.bytes() + decisions_.bytes();
   for (const StripBlocks& s : strips_)
     sum += bytes_of(s.blocks, s.surfaces, s.active, s.laid, s.rewrite, s.landing, s.open, s.watched, s.idle, s.fresh,
                     s.across) +

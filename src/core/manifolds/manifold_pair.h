@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
+#include <vector>
 
+#include "base/column.h"
+#include "base/worker_pool.h"
 #include "bodies/body_store.h"
 #include "bodies/static_shapes.h"
 #include "bodies/surroundings.h"
@@ -98,6 +102,46 @@ struct ManifoldPair : PairName {
   bool of_floor() const { return manifold.count == 2 && (manifold.point[1].feature & kOfAnotherPiece) != 0; }
   /// m, of a pair that has points.
   float least_gap() const { return manifold.count == 2 ? std::min(gap[1], gap[0]) : gap[0]; }
+};
+
+/// A pair that was found for new lists.
+struct FoundPair : PairName {
+  std::uint32_t before = kNone;  ///< its place among the pairs of the index
+};
+
+/// Of the pairs that a strip found.
+struct FoundCounts {
+  std::uint32_t fresh = 0;  ///< those that were not known before
+  bool fixed = false, kinematic = false;
+};
+
+/// Pairs by owner.
+class PairIndex {
+ public:
+  /// O(pairs + ids).
+  void make(std::span<const ManifoldPair> pairs, std::uint32_t ids, WorkerPool& pool);
+  /// The place of a pair among those of which the index was made, or PairName::kNone.
+  std::uint32_t find(const PairName& pair, const std::vector<ManifoldPair>& pairs) const;
+  void spare(std::size_t pairs);
+  void release() { give_back(first_, entries_, owned_); }
+  std::size_t bytes() const { return bytes_of(first_, entries_, owned_); }
+
+ private:
+  struct Entry {
+    std::uint32_t mark = 0, pair = 0;
+  };
+  struct Owned {
+    std::uint32_t owner = 0, mark = 0;
+  };
+  std::vector<std::uint32_t> first_;  // by id: the entries of id k are [first_[k], first_[k + 1])
+  std::vector<Entry> entries_;
+  std::vector<Owned> owned_;  // by pair
+};
+
+/// The slots of the bodies of a strip.
+struct SlotRange {
+  std::uint32_t begin = 0, end = 0;
+  bool has(std::uint32_t slot) const { return begin <= slot && slot < end; }
 };
 
 /// Whether the points of a manifold lie against the direction in which its edge is read. The direction is the same for

@@ -27,30 +27,38 @@ void recall_touch(const BodyStore& b, const StaticShapes& statics, const TouchMe
   }
 }
 
+// Reserves and touches memory, so that it is there.
+void touch_ahead(auto& column, std::size_t n) {
+  const std::size_t size = column.size();
+  if (column.capacity() >= n) return;
+  column.resize(n);
+  column.resize(size);
+}
+
 }  // namespace
 
 // The pairs are long: what of them counts is read by all threads, and then sorted by one.
-void Manifolds::Index::make(std::span<const ManifoldPair> pairs, std::uint32_t ids, WorkerPool& pool) {
+void PairIndex::make(std::span<const ManifoldPair> pairs, std::uint32_t ids, WorkerPool& pool) {
   constexpr std::size_t kPairs = 1024;  // a job
-  owned.resize(pairs.size());
+  owned_.resize(pairs.size());
   run_each(pairs.size(), kPairs, pool, [&](std::size_t k, std::size_t) {
-    owned[k] = {pairs[k].owner, pairs[k].mark()};
+    owned_[k] = {pairs[k].owner, pairs[k].mark()};
   });
-  const std::size_t all = std::max<std::size_t>(first.size(), std::size_t{ids} + 2);
-  first.assign(all, 0);
-  for (const Owned& pair : owned) ++first[pair.owner + 2];
-  for (std::size_t k = 2; k < all; ++k) first[k] += first[k - 1];
-  entries.resize(pairs.size());
-  for (std::uint32_t k = 0; k < owned.size(); ++k) entries[first[owned[k].owner + 1]++] = {owned[k].mark, k};
+  const std::size_t all = std::max<std::size_t>(first_.size(), std::size_t{ids} + 2);
+  first_.assign(all, 0);
+  for (const Owned& pair : owned_) ++first_[pair.owner + 2];
+  for (std::size_t k = 2; k < all; ++k) first_[k] += first_[k - 1];
+  entries_.resize(pairs.size());
+  for (std::uint32_t k = 0; k < owned_.size(); ++k) entries_[first_[owned_[k].owner + 1]++] = {owned_[k].mark, k};
 }
 
-std::uint32_t Manifolds::Index::find(const PairName& pair, const std::vector<ManifoldPair>& pairs) const {
-  if (entries.empty() || pair.owner + 1 >= first.size()) return PairName::kNone;
+std::uint32_t PairIndex::find(const PairName& pair, const std::vector<ManifoldPair>& pairs) const {
+  if (entries_.empty() || pair.owner + 1 >= first_.size()) return PairName::kNone;
   const std::uint32_t mark = pair.mark();
-  for (std::uint32_t k = first[pair.owner]; k < first[pair.owner + 1]; ++k) {
-    if (entries[k].mark != mark) continue;
-    const PairName& known = pairs[entries[k].pair];
-    if (known.same(pair) && !known.moved) return entries[k].pair;
+  for (std::uint32_t k = first_[pair.owner]; k < first_[pair.owner + 1]; ++k) {
+    if (entries_[k].mark != mark) continue;
+    const PairName& known = pairs[entries_[k].pair];
+    if (known.same(pair) && !known.moved) return entries_[k].pair;
   }
   return PairName::kNone;
 }
@@ -70,26 +78,24 @@ void Manifolds::cut() {
   }
 }
 
+void PairIndex::spare(std::size_t pairs) {
+  touch_ahead(entries_, pairs);
+  touch_ahead(owned_, pairs);
+}
+
 void Manifolds::spare(std::size_t pairs, std::size_t strips) {
-  const auto touch = [](auto& column, std::size_t n) {  // reserves and touches the memory, so that it is there
-    const std::size_t size = column.size();
-    if (column.capacity() >= n) return;
-    column.resize(n);
-    column.resize(size);
-  };
-  touch(pairs_, pairs);
-  touch(old_pairs_, pairs);
-  touch(index_.entries, pairs);
-  touch(index_.owned, pairs);
-  touch(known_lane_, pairs);
+  touch_ahead(pairs_, pairs);
+  touch_ahead(old_pairs_, pairs);
+  index_.spare(pairs);
+  touch_ahead(known_lane_, pairs);
   if (found_.size() < strips) found_.resize(strips);
   if (strips_.size() < strips) strips_.resize(strips);
   const std::size_t each = 2 * pairs / strips + 64;
-  for (std::vector<FoundPair>& found : found_) touch(found, each);
+  for (std::vector<FoundPair>& found : found_) touch_ahead(found, each);
   for (StripBlocks& s : strips_) {
-    touch(s.blocks, each / kernels::kBlock);
-    touch(s.active, each);
-    touch(s.laid, each);
+    touch_ahead(s.blocks, each / kernels::kBlock);
+    touch_ahead(s.active, each);
+    touch_ahead(s.laid, each);
   }
 }
 

@@ -297,36 +297,9 @@ class Manifolds {
   static constexpr std::uint8_t kDisc = 0, kShape = 1, kFiltered = 2, kKinematic = 4, kSensor = 8, kParts = 16,
                                 kTied = 32;
 
-  struct FoundPair : PairName {    // a pair that collect or a renewal found
-    std::uint32_t before = kNone;  // its place among the pairs of the index
-  };
   struct Cut {  // a piece of the pairs of one strip
     std::uint32_t strip = 0, begin = 0, end = 0;
     Looks looks;  // of the last refresh
-  };
-  // Pairs by owner. The entries of id k are [first[k], first[k + 1]).
-  struct Index {
-    struct Entry {
-      std::uint32_t mark = 0, pair = 0;
-    };
-    struct Owned {
-      std::uint32_t owner = 0, mark = 0;
-    };
-    std::vector<std::uint32_t> first;
-    std::vector<Entry> entries;
-    std::vector<Owned> owned;  // by pair
-    void make(std::span<const ManifoldPair> pairs, std::uint32_t ids, WorkerPool& pool);
-    std::uint32_t find(const PairName& pair, const std::vector<ManifoldPair>& pairs) const;
-  };
-  // Of the pairs that a strip found.
-  struct FoundCounts {
-    std::uint32_t fresh = 0;
-    bool fixed = false, kinematic = false;
-  };
-  // The slots of the bodies of a strip.
-  struct Range {
-    std::uint32_t begin = 0, end = 0;
-    bool has(std::uint32_t slot) const { return begin <= slot && slot < end; }
   };
   struct Sorter;  // manifold_pairs.cpp
   struct Look;    // manifold_look.cpp
@@ -427,11 +400,11 @@ class Manifolds {
   std::vector<std::uint32_t> begin_;  // by strip: the first of its pairs
   std::vector<Cut> cuts_;             // the pieces of all strips, in order
   std::uint32_t own_end_ = 0;         // the first pair of renewed bodies that belongs to no strip
-  Index index_;                       // of the last lists while pairs are collected, of the present ones in renewals
+  PairIndex index_;                   // of the last lists while pairs are collected, of the present ones in renewals
   bool indexed_ = false;              // the index is that of the present pairs
   std::vector<std::vector<FoundPair>> found_;  // by strip: pairs that collect found
   std::vector<FoundCounts> counts_;            // by strip, of these
-  std::vector<Range> ranges_;                  // by strip, if lists were made since the state came back
+  std::vector<SlotRange> ranges_;              // by strip, if lists were made since the state came back
   std::vector<FoundPair> renewed_;             // pairs that were found in this renewal
   std::vector<ManifoldPair> before_;           // pairs of renewed bodies that were there before
   std::vector<std::uint64_t> fixed_;           // if some are kinematic: slot << 32 | pair with a fixed side, ascending
