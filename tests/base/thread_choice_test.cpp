@@ -57,12 +57,22 @@ TEST(ThreadChoice, AStepThatGrowsHasAllThreadsAtOnce) {
   alone_of(100, choice, [](std::size_t n) { return n == 1 ? 20us : 40us; });
   ASSERT_EQ(choice.active(), 1u);
   choice.note(250us, 0us);  // one such step is chance
-  choice.note(20us, 0us);
+  for (int k = 0; k < 12; ++k) choice.note(20us, 0us);
   choice.note(250us, 0us);
   EXPECT_EQ(choice.active(), 1u);
   choice.note(250us, 0us);
   EXPECT_EQ(choice.active(), 4u);
   EXPECT_LE(alone_of(1000, choice, [](std::size_t n) { return n == 1 ? 800us : 240us; }), 12);
+}
+
+TEST(ThreadChoice, LongStepsHaveAllThreadsWhateverLiesBetween) {
+  ThreadChoice choice(2, false);
+  int alone = 0;
+  for (int k = 0; k < 3000; ++k) {
+    alone += choice.active() == 1;
+    choice.note(k % 2 == 0 ? 3000us : 30us, 0us);
+  }
+  EXPECT_EQ(alone, 0);
 }
 
 // From 120 us on one thread, by a tenth after each 100 steps, to where two are sooner.

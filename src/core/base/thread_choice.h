@@ -32,10 +32,10 @@ class ThreadChoice {
   void settle();
 
   static constexpr std::chrono::microseconds kStall{100};  // shorter waits are no reason to do without workers
-  // Steps up to kShort are tried (kGrown longer ones in a row end that), kTried of them with each number of threads, and all of that kRounds times, for other
+  // Steps up to kShort are tried (kGrown longer ones end that), kTried of them with each number of threads, and all of that kRounds times, for other
   // programs come and go. More threads than need be must be worth it: the fewest are taken whose shortest step is within
   // kWorth of the shortest of all. That stands for kSettled steps, or until the shortest of kTried in a row is far from
-  // what it was: kChanged is their ratio. It ends at once after kGrown steps in a row that took kGrownBy times as long.
+  // what it was: kChanged is their ratio. It ends at once after kGrown steps that took kGrownBy times as long.
   static constexpr std::chrono::microseconds kShort{1000};
   static constexpr int kTried = 6, kRounds = 2, kSettled = 1024, kGrown = 2, kGrownBy = 4, kMostHalvings = 16;
   static constexpr double kWorth = 1.25, kChanged = 2;
@@ -46,7 +46,7 @@ class ThreadChoice {
   int fewer_ = 0, good_ = 0;  // steps with fewer threads that are to come; good ones in a row
   int pause_ = kShortPause;   // as many after the next that is held up
   bool settled_ = false;
-  int grown_ = 0;                        // steps in a row that took far longer
+  int grown_ = 0;                        // of up to kTried steps: how many took far longer
   int steps_ = 0;                        // with the present number of threads
   int round_ = 0, halvings_ = 0;         // of the trial; and how often the number of threads was halved
   Duration shortest_[kMostHalvings];     // in the trial, by halvings
@@ -72,11 +72,13 @@ inline void ThreadChoice::note(Duration step, Duration waited) {
 inline void ThreadChoice::weigh(Duration step) {
   if (threads_ == 1) return;
   const bool is_long = settled_ ? step > kGrownBy * expected_ : step > kShort;
-  grown_ = is_long ? grown_ + 1 : 0;
-  if (grown_ == kGrown) return settled_ || active_ == threads_ ? try_all() : settle();
-  if (is_long) return;
+  if (is_long) {
+    if (++grown_ == kGrown) settled_ || active_ == threads_ ? try_all() : settle();
+    return;
+  }
   recent_ = std::min(recent_, step);
   if (++steps_ % kTried != 0) return;
+  grown_ = 0;
   const Duration recent = std::exchange(recent_, Duration::max());
   if (settled_) {
     const double ratio = std::chrono::duration<double>(recent) / std::chrono::duration<double>(expected_);

@@ -49,7 +49,7 @@ void WorkerPool::keep_workers(std::size_t kept) {
   workers_.resize(kept);
 }
 
-WorkerPool::Awake::Awake(WorkerPool& pool) : pool_(pool) {
+WorkerPool::Awake::Awake(WorkerPool& pool, Work work) : pool_(pool), work_(work) {
   if (++pool.awake_ > 1 || pool.threads_ == 1 || pool.host_.parallel_for) return;
   begin_ = Clock::now();
   pool.waited_ = {};
@@ -66,7 +66,8 @@ WorkerPool::Awake::Awake(WorkerPool& pool) : pool_(pool) {
 WorkerPool::Awake::~Awake() {
   if (--pool_.awake_ != 0) return;
   pool_.stepping_.store(0, std::memory_order_release);
-  if (pool_.threads_ != 1 && !pool_.host_.parallel_for) pool_.choice_.note(Clock::now() - begin_, pool_.waited_);
+  if (work_ != Work::step || pool_.threads_ == 1 || pool_.host_.parallel_for) return;
+  pool_.choice_.note(Clock::now() - begin_, pool_.waited_);
 }
 
 void WorkerPool::wait_a_moment(int spins) const {

@@ -50,16 +50,20 @@ class WorkerPool {
   int active() const { return static_cast<int>(choice_.active()); }
   void set_job_system(JobSystem jobs) { host_ = std::move(jobs); }
 
-  /// Keeps the workers awake for its lifetime, however the step ends. One within another changes nothing.
+  /// What the workers are awake for. How long steps take decides how many threads the next ones have.
+  enum class Work : std::uint8_t { step, other };
+
+  /// Keeps the workers awake for its lifetime, however the work ends. One within another changes nothing.
   class Awake {
    public:
-    explicit Awake(WorkerPool& pool);
+    explicit Awake(WorkerPool& pool, Work work = Work::other);
     ~Awake();
     Awake(const Awake&) = delete;
     Awake& operator=(const Awake&) = delete;
 
    private:
     WorkerPool& pool_;
+    Work work_;
     std::chrono::steady_clock::time_point begin_;
   };
 

@@ -274,7 +274,7 @@ constexpr double kLeastStep = 1e-15;
 StepReport try_step(Owners& w, double dt, const StepDetail* given) {
   const FloatSettings settings;
   const Tracer::Clock::time_point begin = w.tracer.begin();
-  const WorkerPool::Awake awake(w.pool);
+  const WorkerPool::Awake awake(w.pool, WorkerPool::Work::step);
   StepReport report = open_page(w, given);
   w.dynamics.moving = false;
   bool refused = false;
