@@ -14,12 +14,6 @@ Rotor as_rotor(SineCosine q) { return {static_cast<float>(q.cosine), static_cast
 
 }  // namespace
 
-double time_to_close(double gap, double speed, double growth) {
-  const double root = std::sqrt(greater(speed * speed + 2 * growth * gap, 0));
-  if (speed > 0) return 2 * gap / (speed + root);
-  return growth > 0 ? (root - speed) / growth : 1e30;
-}
-
 Approach::Frame Approach::frame(double share) const {
   const double facing = of_a_.facing(share);
   const SineCosine forward = facing != 0 ? sine_cosine(facing) : SineCosine{}, back{-forward.sine, forward.cosine};
@@ -47,17 +41,7 @@ Approach::Stand Approach::stand(double share, double limit) const {
   if (!(gap > 0)) return s;
   s.advance = time_to_close(gap, closing + std::fabs(turn_) * reach, growth);
   if (turn_ == 0 || reach == 0) return s;
-  Vec2 corner[Hull::kMost];
-  double lowest = 1e300, soonest = 1e300;
-  for (int k = 0; k < b_.count; ++k) {
-    corner[k] = turned(qb, b_.vertex(k));
-    lowest = lesser(dot(n, corner[k]), lowest);
-  }
-  for (int k = 0; k < b_.count; ++k) {
-    const double higher = dot(n, corner[k]) - lowest, swing = -turn_ * dot(n, upright(corner[k]));
-    soonest = lesser(time_to_close(gap + higher, closing + swing, growth + turn_ * turn_ * reach), soonest);
-  }
-  s.advance = greater(soonest, s.advance);
+  s.advance = greater(time_above(b_, qb, n, gap, closing, turn_, growth + turn_ * turn_ * reach), s.advance);
   return s;
 }
 

@@ -3,12 +3,10 @@
 #pragma once
 
 #include "base/rotor.h"
+#include "collide/closing.h"
 #include "collide/collide.h"
 
 namespace psim {
-
-/// The first time at which c t + a t^2 / 2 reaches a gap, c: speed, a >= 0: how fast it grows at most.
-double time_to_close(double gap, double speed, double growth);
 
 /// How a body goes through a part of a step: evenly, from share 0 to share 1.
 struct Course {
