@@ -2,11 +2,17 @@
 #include "base/column.h"
 
 #include <gtest/gtest.h>
+#if defined(__linux__)
+#include <sys/resource.h>
+#endif
 
 #include <cstddef>
 #include <cstdint>
 #include <new>
+#include <optional>
 #include <utility>
+
+#include "sanitized.h"
 
 namespace psim::test {
 namespace {
@@ -74,6 +80,38 @@ TEST(Column, BeyondTheMostIsNoMemoryAndLosesNothing) {
   EXPECT_EQ(column[kLarge - 1], 7u);
   EXPECT_EQ(meter.bytes, column.bytes());
 }
+
+#if defined(__linux__)
+// Pages that the system gives while the column is filled.
+long faults_of_filling(bool touched) {
+  MemoryMeter meter;
+  Column<std::uint32_t> column(meter);
+  constexpr std::size_t kMany = 64 * kLarge;
+  {
+    column.reserve(kSmall);
+    column[7] = 7;
+    std::optional<TouchedRoom> room;
+    if (touched) room.emplace(meter);
+    column.reserve(kMany);
+  }
+  const auto faults = [] {
+    rusage used{};
+    getrusage(RUSAGE_SELF, &used);
+    return used.ru_minflt;
+  };
+  const long before = faults();
+  for (std::size_t i = 0; i < kMany; i += 1024) column[i] = static_cast<std::uint32_t>(i);
+  EXPECT_EQ(column[7], 7u);
+  EXPECT_FALSE(meter.touches);
+  return faults() - before;
+}
+
+TEST(Column, TouchedRoomIsThereBeforeItIsUsed) {
+  if (kSanitized) GTEST_SKIP() << "a sanitizer has pages of its own";
+  EXPECT_LE(faults_of_filling(true), 16);
+  EXPECT_GE(faults_of_filling(false), 100);  // with pages of 2 MiB, too
+}
+#endif
 
 TEST(Pages, MoreThanThereIsIsNoMemory) {
   EXPECT_THROW(os::take_pages(std::size_t{1} << 60), std::bad_alloc);

@@ -21,6 +21,19 @@ struct MemoryMeter {
   std::size_t bytes = 0;
   std::uint64_t growths = 0;
   std::size_t most = SIZE_MAX;
+  bool touches = false;  ///< the system is to give memory when room is made, and not when it is first used
+};
+
+/// While it lives, columns that make room touch all of their memory.
+class TouchedRoom {
+ public:
+  explicit TouchedRoom(MemoryMeter& meter) : meter_(meter) { meter_.touches = true; }
+  ~TouchedRoom() { meter_.touches = false; }
+  TouchedRoom(const TouchedRoom&) = delete;
+  TouchedRoom& operator=(const TouchedRoom&) = delete;
+
+ private:
+  MemoryMeter& meter_;
 };
 
 /// Empties lists and columns and gives their memory back.
@@ -51,17 +64,8 @@ class Column {
 
   /// Makes room for n values (and the readable pad). Keeps the content; new values are zero.
   void reserve(std::size_t n) {
-    if (n <= capacity_) return;
-    const std::size_t wanted = kernels::round_up_block(std::max(n, capacity_ + capacity_ / 8));
-    const std::size_t size = bytes_for(wanted), before = bytes();
-    if (size - before > meter_->most - std::min(meter_->bytes, meter_->most)) throw std::bad_alloc();
-    T* fresh = static_cast<T*>(take(size, before));
-    if (before != 0) std::memcpy(static_cast<void*>(fresh), data_, before);
-    drop();
-    data_ = fresh;
-    capacity_ = wanted;
-    meter_->bytes += size - before;
-    ++meter_->growths;
+    if (n > capacity_) grow(n);
+    if (meter_->touches && bytes() >= os::kLargePage) touch();
   }
 
   /// The same, but with an eighth to spare when it grows: for lists whose length goes up and down.
@@ -97,6 +101,22 @@ class Column {
 
  private:
   static constexpr std::align_val_t kAlignment{kernels::kAlign};
+  void grow(std::size_t n) {
+    const std::size_t wanted = kernels::round_up_block(std::max(n, capacity_ + capacity_ / 8));
+    const std::size_t size = bytes_for(wanted), before = bytes();
+    if (size - before > meter_->most - std::min(meter_->bytes, meter_->most)) throw std::bad_alloc();
+    T* fresh = static_cast<T*>(take(size, before));
+    if (before != 0) std::memcpy(static_cast<void*>(fresh), data_, before);
+    drop();
+    data_ = fresh;
+    capacity_ = wanted;
+    meter_->bytes += size - before;
+    ++meter_->growths;
+  }
+  void touch() {
+    auto* const begin = reinterpret_cast<volatile char*>(data_);
+    for (std::size_t k = 0; k < bytes(); k += 4096) begin[k] = begin[k];  // no system has smaller pages
+  }
   // Memory that is zero from the byte `zero_from` on.
   static void* take(std::size_t size, std::size_t zero_from) {
     if (size >= os::kLargePage) return os::take_pages(size);

@@ -109,16 +109,15 @@ struct FoundPair : PairName {
   std::uint32_t before = kNone;  ///< its place among the pairs of the index
 };
 
-/// Of the pairs that a strip found.
+/// Of the pairs that a strip found. `fresh`: those that were not known before.
 struct FoundCounts {
-  std::uint32_t fresh = 0;  ///< those that were not known before
+  std::uint32_t fresh = 0;
   bool fixed = false, kinematic = false;
 };
 
 /// Pairs by owner.
 class PairIndex {
  public:
-  /// O(pairs + ids).
   void make(std::span<const ManifoldPair> pairs, std::uint32_t ids, WorkerPool& pool);
   /// The place of a pair among those of which the index was made, or PairName::kNone.
   std::uint32_t find(const PairName& pair, const std::vector<ManifoldPair>& pairs) const;

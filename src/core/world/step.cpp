@@ -235,6 +235,7 @@ constexpr std::size_t kFewPairs = 32768, kFewStrips = 256;
 // Lists that serve several frames are longer. To make room for them takes longer than a frame may, so it is made before
 // the first frame.
 void spare_room(Owners& w) {
+  const TouchedRoom touched(w.memory);
   BodyStore& bodies = w.bodies;
   NeighbourLists& lists = w.neighbours;
   Contacts& contacts = w.contacts;
@@ -251,7 +252,7 @@ void spare_room(Owners& w) {
   bodies.pos.reserve(2 * all);
   if (w.plan.manifolds && !lists.table.strips.empty()) {
     const std::size_t cornered = w.population.traits.cornered;
-    const std::size_t most = std::min(24 * cornered, 6 * cornered + kFewPairs);
+    const std::size_t most = std::min(24 * cornered, 12 * cornered + kFewPairs);
     contacts.manifolds.spare(std::max<std::size_t>(2 * contacts.manifolds.pair_count(), most),
                              lists.table.strips.size());
   }
