@@ -33,7 +33,7 @@ PSIM_FLAT void psim_flat_start_workers(int threads) {
 /// out: milliseconds, contacts, awake, asleep, pairs, escaped, quarantined.
 PSIM_FLAT int psim_flat_step(psim_world* world, double dt, double* out) {
   std::optional<psim::WorkerPool::Awake> awake;
-  if (psim::web::workers != nullptr) awake.emplace(*psim::web::workers);
+  if (psim::web::workers != nullptr) awake.emplace(*psim::web::workers, psim::WorkerPool::Work::step);
   psim_step_report report;
   psim_step_report_init(&report);
   const psim_result result = dt > 0 ? psim_world_step_by(world, dt, &report) : psim_world_step(world, &report);

@@ -81,12 +81,12 @@ TEST(Column, BeyondTheMostIsNoMemoryAndLosesNothing) {
   EXPECT_EQ(meter.bytes, column.bytes());
 }
 
-#if defined(__linux__)
+#if defined(__linux__) && defined(__x86_64__)
 // Pages that the system gives while the column is filled.
 long faults_of_filling(bool touched) {
   MemoryMeter meter;
   Column<std::uint32_t> column(meter);
-  constexpr std::size_t kMany = 64 * kLarge;
+  constexpr std::size_t kMany = 24 * kLarge;  // 144 MiB
   {
     column.reserve(kSmall);
     column[7] = 7;
@@ -109,7 +109,7 @@ long faults_of_filling(bool touched) {
 TEST(Column, TouchedRoomIsThereBeforeItIsUsed) {
   if (kSanitized) GTEST_SKIP() << "a sanitizer has pages of its own";
   EXPECT_LE(faults_of_filling(true), 16);
-  EXPECT_GE(faults_of_filling(false), 100);  // with pages of 2 MiB, too
+  EXPECT_GE(faults_of_filling(false), 40);  // with pages of 2 MiB, too
 }
 #endif
 

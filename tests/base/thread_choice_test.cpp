@@ -75,6 +75,22 @@ TEST(ThreadChoice, LongStepsHaveAllThreadsWhateverLiesBetween) {
   EXPECT_EQ(alone, 0);
 }
 
+// Three threads are tried as three, two and one.
+TEST(ThreadChoice, NoNumberIsLeftOutOnTheWayDown) {
+  ThreadChoice choice(3, false);
+  int best = 0;
+  for (int k = 0; k < 5000; ++k) {
+    best += choice.active() == 2;
+    choice.note(choice.active() == 2 ? 50us : 100us, 0us);
+  }
+  EXPECT_GE(best, 4800);
+}
+
+TEST(ThreadChoice, NumbersThatAreFarWorseAreNotTriedToTheEnd) {
+  ThreadChoice choice(16, false);
+  EXPECT_EQ(alone_of(10'000, choice, [](std::size_t n) { return std::chrono::microseconds(90 + 810 / n); }), 0);
+}
+
 // From 120 us on one thread, by a tenth after each 100 steps, to where two are sooner.
 TEST(ThreadChoice, AStepThatGrowsSlowlyIsTriedAgain) {
   ThreadChoice choice(2, false);

@@ -28,7 +28,7 @@ struct alignas(Bytes) Cell {
 template <std::size_t Bytes>
 std::uint32_t wrong_sights(std::size_t jobs) {
   WorkerPool pool(kThreads);
-  const WorkerPool::Awake awake(pool);
+  const WorkerPool::Awake awake(pool, WorkerPool::Work::other);
   std::array<std::vector<Cell<Bytes>>, 2> cells{std::vector<Cell<Bytes>>(jobs), std::vector<Cell<Bytes>>(jobs)};
   std::uint32_t from_caller = 0, seen_by_caller = 0;
   std::atomic<std::uint32_t> seen_by_jobs{0};
@@ -58,7 +58,7 @@ TEST(WorkerPoolOrder, JobsSeeWhatEarlierRunsWroteInSharedLines) {
 /// Relaxed additions of jobs are complete when the run has returned, and a relaxed flag that a job set is set.
 TEST(WorkerPoolOrder, RelaxedCountersAreCompleteAfterTheRun) {
   WorkerPool pool(kThreads);
-  const WorkerPool::Awake awake(pool);
+  const WorkerPool::Awake awake(pool, WorkerPool::Work::other);
   for (std::uint32_t run = 0; run < kRuns; ++run) {
     std::atomic<std::uint32_t> sum{0};
     std::atomic<bool> fine{true};
@@ -77,7 +77,7 @@ TEST(WorkerPoolOrder, JobsSeeWhatWasWrittenWhileTheWorkersSlept) {
   std::vector<std::uint32_t> before(8, 0), now(8, 0);
   std::atomic<std::uint32_t> wrong{0};
   for (std::uint32_t run = 1; run <= kRuns / 20; ++run) {
-    const WorkerPool::Awake awake(pool);
+    const WorkerPool::Awake awake(pool, WorkerPool::Work::other);
     for (std::uint32_t& value : before) value = run;
     pool.run(before.size(), [&](std::size_t i) {
       if (before[(i + run) % 8] != run || now[i] != run - 1) wrong.fetch_add(1, std::memory_order_relaxed);

@@ -14,7 +14,10 @@
 namespace psim {
 
 using namespace std::chrono_literals;
-using Awake = WorkerPool::Awake;
+/// Awake for work that is no step: it has all threads, however long it takes.
+struct Awake : WorkerPool::Awake {
+  explicit Awake(WorkerPool& pool) : WorkerPool::Awake(pool, WorkerPool::Work::other) {}
+};
 
 /// Waits until `true_now()` holds; false after ten seconds, so that a fault is a failed test and no hanging one.
 template <class Condition>

@@ -56,7 +56,7 @@ TEST(WorkerPool, ARunThatHasReturnedLeavesNoJobBehind) {
 
 // A step of two jobs: that of the worker takes `late` longer than the caller's. Returns whether a worker took part.
 bool step_of_two(WorkerPool& pool, std::chrono::microseconds late) {
-  const Awake awake(pool, WorkerPool::Work::step);
+  const WorkerPool::Awake awake(pool, WorkerPool::Work::step);
   std::atomic<bool> helped{false};
   const auto caller = std::this_thread::get_id();
   pool.run(2, [&](std::size_t) {
@@ -89,17 +89,53 @@ TEST(WorkerPool, AStepThatAWorkerHeldUpIsFollowedByStepsOfFewerThreads) {
   EXPECT_EQ(wrong_jobs(pool, 100), 0u);
 }
 
-// Questions between the steps are short, or long, and say nothing of these.
-TEST(WorkerPool, WhatIsNoStepChangesNoNumberOfThreads) {
-  WorkerPool pool(2);
-  for (int k = 0; k < 200; ++k) {
-    {
-      const Awake awake(pool, WorkerPool::Work::step);
-      std::this_thread::sleep_for(1100us);
+// Steps of `time` with runs of two jobs; returns in how many steps both threads had one.
+int shared_steps(WorkerPool& pool, int steps, std::chrono::microseconds time) {
+  int shared = 0;
+  for (int k = 0; k < steps; ++k) {
+    const WorkerPool::Awake awake(pool, WorkerPool::Work::step);
+    std::atomic<bool> helped{false};
+    const auto caller = std::this_thread::get_id();
+    const auto begin = std::chrono::steady_clock::now();
+    for (int run = 0; run < 8 && !helped; ++run) {
+      while (std::chrono::steady_clock::now() - begin < (run + 1) * time / 8) {
+      }
+      pool.run(2, [&](std::size_t) {
+        if (std::this_thread::get_id() != caller) helped = true;
+        if (time > 1ms)
+          wait_until([&, end = std::chrono::steady_clock::now() + 200ms] {
+            return helped || std::chrono::steady_clock::now() > end;
+          });
+      });
     }
-    { const Awake awake(pool); }
-    ASSERT_EQ(pool.active(), 2) << k;
+    shared += helped ? 1 : 0;
   }
+  return shared;
+}
+
+// Lets short steps run until they have one thread. False: the machine is too busy to see that they are sooner.
+bool steps_have_one_thread(WorkerPool& pool) {
+  for (int k = 0; k < 100 && pool.active() != 1; ++k) shared_steps(pool, 24, 40us);
+  return pool.active() == 1;
+}
+
+TEST(WorkerPool, AStepThatTurnsOutToBeLongHasAllThreads) {
+  if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "two threads are more than there are cores";
+  WorkerPool pool(2);
+  if (!steps_have_one_thread(pool)) GTEST_SKIP() << "too busy";
+  EXPECT_EQ(shared_steps(pool, 1, 4ms), 1);
+}
+
+// Questions between the steps have all threads, and say nothing of the steps.
+TEST(WorkerPool, WhatIsNoStepHasAllThreads) {
+  if (std::thread::hardware_concurrency() < 2) GTEST_SKIP() << "two threads are more than there are cores";
+  WorkerPool pool(2);
+  if (!steps_have_one_thread(pool)) GTEST_SKIP() << "too busy";
+  for (int k = 0; k < 20; ++k) {
+    const Awake awake(pool);
+    ASSERT_EQ(all_threads(pool, std::this_thread::get_id).size(), 2u);
+  }
+  EXPECT_EQ(pool.active(), 1);
 }
 
 TEST(WorkerPool, AllThreadsTakePart) {

@@ -24,7 +24,7 @@ struct MemoryMeter {
   bool touches = false;  ///< the system is to give memory when room is made, and not when it is first used
 };
 
-/// While it lives, columns that make room touch all of their memory.
+/// While it lives, columns of 2 MiB and more touch all of their memory when room in them is asked for.
 class TouchedRoom {
  public:
   explicit TouchedRoom(MemoryMeter& meter) : meter_(meter) { meter_.touches = true; }

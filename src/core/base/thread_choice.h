@@ -2,7 +2,8 @@
 //
 // Where the caller waited for most of a step, a worker lost its core: the next steps have half of the threads. And a step
 // of some hundred microseconds may be over sooner on fewer threads, since others must be told of each of its runs: short
-// steps are tried with all threads, half of them, and so on down to one. docs/decisions/006-worker-pool.md
+// steps are tried with all threads, half of them, and so on down to one. One that turns out to be long gets all of them
+// while it runs (worker_pool.h). docs/decisions/006-worker-pool.md
 #pragma once
 
 #include <algorithm>
@@ -21,22 +22,34 @@ class ThreadChoice {
     try_all();
   }
 
+  /// Steps up to here may be over sooner on fewer threads.
+  static constexpr std::chrono::microseconds kShort{1000};
+
   /// Threads of the next step.
   std::size_t active() const { return active_; }
+  /// Whether a step that turns out to be long should have all threads after all: no worker lost its core.
+  bool may_call_all() const { return fewer_ == 0; }
   /// After a step that took so long, of which the caller waited so long for other threads.
   void note(Duration step, Duration waited);
 
  private:
   void weigh(Duration step);
+  void next_number();
   void try_all();
   void settle();
+  // As many threads after so many halvings.
+  std::size_t halved(int times) const {
+    std::size_t n = threads_;
+    for (; times > 0; --times) n = (n + 1) / 2;
+    return n;
+  }
 
   static constexpr std::chrono::microseconds kStall{100};  // shorter waits are no reason to do without workers
-  // Steps up to kShort are tried (kGrown longer ones end that), kTried of them with each number of threads, and all of that kRounds times, for other
-  // programs come and go. More threads than need be must be worth it: the fewest are taken whose shortest step is within
-  // kWorth of the shortest of all. That stands for kSettled steps, or until the shortest of kTried in a row is far from
-  // what it was: kChanged is their ratio. It ends at once after kGrown steps that took kGrownBy times as long.
-  static constexpr std::chrono::microseconds kShort{1000};
+  // Steps up to kShort are tried (kGrown longer ones in a window of kTried end that), kTried of them with each number of
+  // threads, and all of that kRounds times, for other programs come and go. A number that is kChanged times worse than the
+  // best ends a round. More threads than need be must be worth it: the fewest are taken whose shortest step is within
+  // kWorth of the shortest of all. That stands for kSettled steps, or until the shortest of kTried is kChanged times
+  // longer or shorter than it was, or kGrown of a window take kGrownBy times as long.
   static constexpr int kTried = 6, kRounds = 2, kSettled = 1024, kGrown = 2, kGrownBy = 4, kMostHalvings = 16;
   static constexpr double kWorth = 1.25, kChanged = 2;
   static constexpr int kShortPause = 4, kLongPause = 64;
@@ -86,15 +99,19 @@ inline void ThreadChoice::weigh(Duration step) {
     return;
   }
   shortest_[halvings_] = std::min(shortest_[halvings_], recent);
-  if (active_ != 1) {
-    active_ /= 2;
-    ++halvings_;
-  } else if (++round_ == kRounds) {
-    settle();
-  } else {
-    active_ = threads_;
+  next_number();
+}
+
+inline void ThreadChoice::next_number() {
+  const Duration best = *std::min_element(shortest_, shortest_ + kMostHalvings);
+  const bool worse = std::chrono::duration<double>(shortest_[halvings_]) > kChanged * best;
+  if (active_ == 1 || worse) {
+    if (++round_ == kRounds) return settle();
     halvings_ = 0;
+  } else {
+    ++halvings_;
   }
+  active_ = halved(halvings_);
 }
 
 inline void ThreadChoice::try_all() {
@@ -112,7 +129,7 @@ inline void ThreadChoice::settle() {
   const Duration best = *std::min_element(shortest_, shortest_ + kMostHalvings);
   int k = kMostHalvings - 1;
   while (shortest_[k] == Duration::max() || std::chrono::duration<double>(shortest_[k]) > kWorth * best) --k;
-  active_ = std::max<std::size_t>(1, threads_ >> k);
+  active_ = halved(k);
   expected_ = shortest_[k];
 }
 

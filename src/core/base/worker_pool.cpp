@@ -22,6 +22,7 @@ WorkerPool::WorkerPool(int threads, Tracer* tracer)
       tracer_(tracer),
       crowded_(threads_ > std::thread::hardware_concurrency()),
       choice_(threads_, crowded_),
+      present_(threads_),
       shares_(std::make_unique<Share[]>(threads_)) {
   workers_.reserve(threads_);
   try {
@@ -32,6 +33,7 @@ WorkerPool::WorkerPool(int threads, Tracer* tracer)
     keep_workers(workers_.size() / 2);
     threads_ = workers_.size() + 1;
     choice_ = {threads_, crowded_};
+    present_ = threads_;
   }
 }
 
@@ -51,23 +53,41 @@ void WorkerPool::keep_workers(std::size_t kept) {
 
 WorkerPool::Awake::Awake(WorkerPool& pool, Work work) : pool_(pool), work_(work) {
   if (++pool.awake_ > 1 || pool.threads_ == 1 || pool.host_.parallel_for) return;
-  begin_ = Clock::now();
+  pool.begin_ = Clock::now();
   pool.waited_ = {};
-  if (pool.active() == 1) return;
-  bool any_asleep = false;
-  {
-    const std::lock_guard lock(pool.sleep_mutex_);
-    pool.stepping_.store(pool.choice_.active(), std::memory_order_release);
-    any_asleep = pool.asleep_ != 0;
-  }
-  if (any_asleep) pool.wake_.notify_all();
+  pool.looked_ = 0;
+  pool.present_ = work == Work::step ? pool.choice_.active() : pool.threads_;
+  if (pool.present_ != 1) pool.call_workers();
 }
 
 WorkerPool::Awake::~Awake() {
   if (--pool_.awake_ != 0) return;
   pool_.stepping_.store(0, std::memory_order_release);
+  pool_.present_ = pool_.threads_;
   if (work_ != Work::step || pool_.threads_ == 1 || pool_.host_.parallel_for) return;
-  pool_.choice_.note(Clock::now() - begin_, pool_.waited_);
+  pool_.choice_.note(Clock::now() - pool_.begin_, pool_.waited_);
+}
+
+// Wakes as many workers as the present work has.
+void WorkerPool::call_workers() {
+  bool any_asleep = false;
+  {
+    const std::lock_guard lock(sleep_mutex_);
+    stepping_.store(present_, std::memory_order_release);
+    any_asleep = asleep_ != 0;
+  }
+  if (any_asleep) wake_.notify_all();
+}
+
+// Whether a run is shared, in a step that has fewer threads than there are. One that turns out to be long has all of them
+// from then on.
+bool WorkerPool::is_shared() {
+  constexpr unsigned kRuns = 4;  // the clock is read once in so many
+  if (++looked_ % kRuns == 0 && choice_.may_call_all() && Clock::now() - begin_ > ThreadChoice::kShort) {
+    present_ = threads_;
+    call_workers();
+  }
+  return present_ != 1;
 }
 
 void WorkerPool::wait_a_moment(int spins) const {
@@ -88,7 +108,7 @@ void WorkerPool::run_here(std::size_t count, Call call, const void* context) {
   call_.store(call, std::memory_order_relaxed);
   context_.store(context, std::memory_order_relaxed);
   done_.store(0, std::memory_order_relaxed);
-  const std::size_t threads = choice_.active();
+  const std::size_t threads = present_;
   for (std::size_t t = 0; t < threads; ++t) {
     shares_[t].end.store(static_cast<std::uint32_t>(count * (t + 1) / threads), std::memory_order_relaxed);
     shares_[t].next.store(pack(open, static_cast<std::uint32_t>(count * t / threads)), std::memory_order_release);

@@ -46,17 +46,18 @@ class WorkerPool {
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   int threads() const { return static_cast<int>(threads_); }
-  /// Threads that the present step or the next one has.
+  /// Threads that the next step begins with.
   int active() const { return static_cast<int>(choice_.active()); }
   void set_job_system(JobSystem jobs) { host_ = std::move(jobs); }
 
-  /// What the workers are awake for. How long steps take decides how many threads the next ones have.
+  /// What the workers are awake for. How long steps take decides how many threads the next ones have; other work has all
+  /// threads.
   enum class Work : std::uint8_t { step, other };
 
   /// Keeps the workers awake for its lifetime, however the work ends. One within another changes nothing.
   class Awake {
    public:
-    explicit Awake(WorkerPool& pool, Work work = Work::other);
+    Awake(WorkerPool& pool, Work work);
     ~Awake();
     Awake(const Awake&) = delete;
     Awake& operator=(const Awake&) = delete;
@@ -64,7 +65,6 @@ class WorkerPool {
    private:
     WorkerPool& pool_;
     Work work_;
-    std::chrono::steady_clock::time_point begin_;
   };
 
   template <class Job>
@@ -76,7 +76,7 @@ class WorkerPool {
         attempt([&] { job(i); });
       });
       throw_what_was_thrown();
-    } else if (choice_.active() == 1 || count == 1) {
+    } else if (count == 1 || threads_ == 1 || (present_ != threads_ && !is_shared())) {
       for (std::size_t i = 0; i < count; ++i) job(i);
     } else {
       const auto call = [](const void* context, std::size_t i) { (*static_cast<const Job*>(context))(i); };
@@ -107,6 +107,8 @@ class WorkerPool {
   std::size_t work(std::size_t home, std::uint32_t ticket) noexcept;
   void worker(std::size_t index);
   void keep_workers(std::size_t kept);
+  void call_workers();
+  bool is_shared();
   void wait_a_moment(int spins) const;
   void stay_up(std::size_t index) const;
   bool steps(std::size_t index) const { return index < stepping_.load(std::memory_order_acquire); }
@@ -116,6 +118,9 @@ class WorkerPool {
   const bool crowded_;  // there are more threads than cores, so waiting yields the core
   int awake_ = 0;       // how many Awake there are
   ThreadChoice choice_;
+  std::size_t present_;                           // threads of the present work, the caller's among them
+  unsigned looked_ = 0;                           // runs of a step on fewer threads than there are
+  std::chrono::steady_clock::time_point begin_;   // of the outermost Awake
   std::chrono::steady_clock::duration waited_{};  // of this step, the caller for others
   JobSystem host_;
   std::unique_ptr<Share[]> shares_;

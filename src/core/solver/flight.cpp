@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kMostImpacts = 96;   // in a step; then the body stays where it met the last one
 constexpr int kMostIdle = 3;       // impacts one after another that neither bring the body on nor change its way
+constexpr double kUnseen = 1e-4;   // share of the inner radius: a change of the way that is none
 constexpr double kAlike = 0.9999;  // normals with a larger cosine between them count as equal
 constexpr double kDeeper = 0.1;    // share of the inner radius by which hulls would overlap in an impact
 
@@ -92,7 +93,7 @@ int Flight::run(std::vector<std::uint32_t>& near, std::span<const std::uint32_t>
 // again, and its way comes nearer to its end by a share of what is left.
 bool Flight::is_alike(const Rates& before) const {
   const double turned = std::fabs(way_.turn - before.turn) * double{b_.radius[slot_]};
-  return length_of(way_.along - before.along) + turned <= kTolerance * double{inner_};
+  return length_of(way_.along - before.along) + turned <= kUnseen * double{inner_};
 }
 
 // The last impact leads to no way on: for the rest of the step, the body moves with what it met.

@@ -45,7 +45,7 @@ class StateKeeper {
   explicit StateKeeper(Owners& world) : w_(world) {}
 
   void save(std::vector<std::byte>& out) {
-    const WorkerPool::Awake awake(w_.pool);
+    const WorkerPool::Awake awake(w_.pool, WorkerPool::Work::other);
     const PairTable& table = lists_.table;
     // Where nobody is awake, no contact of before is anybody's.
     const bool moved = w_.progress.sorted() || lists_.broad.origin.moved_on();
@@ -77,7 +77,7 @@ class StateKeeper {
 
   /// Reads the rest of a state. What is wrong is told to the loader; the world is of no use then.
   void load(StateLoader& loader) {
-    const WorkerPool::Awake awake(w_.pool);
+    const WorkerPool::Awake awake(w_.pool, WorkerPool::Work::other);
     w_.desc = loader.desc;
     const bool snapshots = w_.population.traits.snapshots;
     lists_.table.body_count = lists_.old_table.body_count = 0;

@@ -325,7 +325,7 @@ void prepare_first_step(Owners& w, const Ledger& counted) {
   std::vector<std::byte> before;
   psim::save(w, before);
   const FloatSettings settings;
-  const WorkerPool::Awake awake(w.pool);
+  const WorkerPool::Awake awake(w.pool, WorkerPool::Work::other);
   const Span span{w.desc.dt, w.desc.dt};
   StepReport ignored;
   replan(w);

@@ -20,7 +20,7 @@ void find_moved(Owners& w, ContactList& list) {
 template <class Find>
 auto with_contacts(Owners& w, ContactList& list, const Find& find) {
   const FloatSettings settings;
-  const WorkerPool::Awake awake(w.pool);
+  const WorkerPool::Awake awake(w.pool, WorkerPool::Work::other);
   LastStep last = last_step(w);
   last.begun = !w.progress.untouched() || w.progress.at != 0 || !w.contacts_stand();
   find_moved(w, list);
@@ -70,7 +70,7 @@ std::vector<RayHit> World::ray_cast_all(Vec2 from, Vec2 to, const QueryFilter& f
 std::size_t World::ray_cast_batch(std::span<const RayInput> rays, std::span<RayHit> hits,
                                   const QueryFilter& filter) try {
   const FloatSettings settings;
-  const WorkerPool::Awake awake(impl_->pool);
+  const WorkerPool::Awake awake(impl_->pool, WorkerPool::Work::other);
   return ask(*impl_).ray_cast_batch(rays, hits, filter);
 } catch (const std::bad_alloc&) {
   return nothing_found<std::size_t>();
@@ -142,7 +142,7 @@ Diagnostics World::diagnostics() const try {
 
 std::span<const std::uint32_t> World::strips() try {
   const FloatSettings settings;
-  const WorkerPool::Awake awake(impl_->pool);
+  const WorkerPool::Awake awake(impl_->pool, WorkerPool::Work::other);
   Owners& w = impl_->settled();
   ContactList& list = w.observers.contacts;
   list.strips.assign(w.bodies.id_count, kNoStrip);
