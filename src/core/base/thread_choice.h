@@ -37,7 +37,7 @@ class ThreadChoice {
   void next_number();
   void try_all();
   void settle();
-  // As many threads after so many halvings.
+  // Returns how many threads are left after the number was halved so often; halves are rounded up.
   std::size_t halved(int times) const {
     std::size_t n = threads_;
     for (; times > 0; --times) n = (n + 1) / 2;

@@ -50,8 +50,8 @@ class WorkerPool {
   int active() const { return static_cast<int>(choice_.active()); }
   void set_job_system(JobSystem jobs) { host_ = std::move(jobs); }
 
-  /// What the workers are awake for. How long steps take decides how many threads the next ones have; other work has all
-  /// threads.
+  /// Says what the workers are awake for. How long steps take decides how many threads the next ones have; other work has
+  /// all threads.
   enum class Work : std::uint8_t { step, other };
 
   /// Keeps the workers awake for its lifetime, however the work ends. One within another changes nothing.

@@ -109,7 +109,7 @@ struct FoundPair : PairName {
   std::uint32_t before = kNone;  ///< its place among the pairs of the index
 };
 
-/// Of the pairs that a strip found. `fresh`: those that were not known before.
+/// Counts the pairs that a strip found. `fresh` is how many of them were not known before.
 struct FoundCounts {
   std::uint32_t fresh = 0;
   bool fixed = false, kinematic = false;
