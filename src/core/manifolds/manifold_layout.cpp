@@ -254,7 +254,8 @@ struct Manifolds::Layout {
     const std::size_t all = strip.active.size() + strip.idle.size();
     if (all > strip.laid.capacity()) strip.laid.reserve(all + all / 2);
     strip.laid.clear();
-    std::ranges::merge(strip.active, strip.idle, std::back_inserter(strip.laid));
+    std::merge(strip.active.begin(), strip.active.end(), strip.idle.begin(), strip.idle.end(),
+               std::back_inserter(strip.laid));
     for (auto* list : {&strip.rewrite, &strip.idle, &strip.fresh}) list->reserve(strip.laid.capacity());
     each(strip.laid, [&](const ManifoldPair& pair) { any[class_of(pair, loads)] = true; });
     strip.points = 0;
