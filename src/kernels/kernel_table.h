@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "collide_views.h"
+#include "fluid_views.h"
 #include "joint_views.h"
 #include "lasting_views.h"
 #include "manifold_views.h"
@@ -76,6 +77,17 @@ struct KernelTable {
   void (*part_joints)(const BodyView&, const JointShare&, Block, Block);
   void (*hold_joints)(const BodyView&, const JointShare&, const StreamParams&, Block, Block);
   void (*let_go_joints)(const BodyView&, const JointShare&, Block, Block);
+  // Fluids (fluid_particle_kernel.h, fluid_grid_kernel.h): particles and fields of one tile.
+  void (*scatter_fluid)(const FluidParticle*, std::size_t count, const FluidMotion&, const FluidSums&);
+  void (*gather_fluid)(FluidParticle*, std::size_t count, const FluidMotion&, const FluidFields&);
+  void (*move_fluid)(FluidParticle*, std::size_t count, const FluidMotion&);
+  void (*begin_fluid)(const FluidLevel&, const float* right, float weight, float* x);
+  void (*smooth_fluid)(const FluidLevel&, const float* right, float weight, const float* x, float* to);
+  void (*fluid_residual)(const FluidLevel&, const float* right, const float* x, float* residual);
+  double (*apply_fluid)(const FluidLevel&, const float* x, float* to);
+  float (*advance_fluid)(float step, const float* way, const float* change, float* x, float* residual);
+  void (*turn_fluid)(const float* z, float share, float* way);
+  double (*fluid_product)(const float* a, const float* b);
 };
 
 extern const KernelTable kScalarKernels;

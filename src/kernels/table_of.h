@@ -6,6 +6,8 @@
 #include "collide_kernel.h"
 #include "contact_kernel.h"
 #include "field_kernel.h"
+#include "fluid_grid_kernel.h"
+#include "fluid_particle_kernel.h"
 #include "impact_kernel.h"
 #include "joint_line_kernel.h"
 #include "joint_pin_kernel.h"
@@ -115,6 +117,16 @@ constexpr KernelTable table_of() {
       .part_joints = part_joints<L>,
       .hold_joints = hold_joints<L>,
       .let_go_joints = let_go_joints<L>,
+      .scatter_fluid = scatter_fluid<L>,
+      .gather_fluid = gather_fluid<L>,
+      .move_fluid = move_fluid<L>,
+      .begin_fluid = begin_fluid<L>,
+      .smooth_fluid = smooth_fluid<L>,
+      .fluid_residual = fluid_residual<L>,
+      .apply_fluid = apply_fluid<L>,
+      .advance_fluid = advance_fluid<L>,
+      .turn_fluid = turn_fluid<L>,
+      .fluid_product = fluid_product<L>,
   };
 }
 

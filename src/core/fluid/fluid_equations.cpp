@@ -1,0 +1,293 @@
+#include "fluid/fluid_equations.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace psim {
+
+using kernels::kTile;
+using kernels::kTileFloats;
+using kernels::kTilePitch;
+using kernels::tile_node;
+using S = FluidSolver;
+
+namespace {
+
+constexpr float kLeastSeen = 0.02f;  // a cell whose kernel sees less that is open is none
+constexpr float kSolidSeen = 0.3f;   // and one that sees less than this is no surface for its neighbours
+constexpr float kSoft = 0.05f;       // at a surface cells may be overfull by so much
+constexpr float kMostUneven = 0.5f;  // errors of the density are mended in steps of this
+constexpr float kLeastWay = 0.1f;    // from the middle of a cell to a surface, cells
+
+// The kernel's integral up to t cells from its middle.
+float kernel_below(float t) {
+  if (t <= -1.5f) return 0;
+  if (t >= 1.5f) return 1;
+  if (t < -0.5f) return (1.5f + t) * (1.5f + t) * (1.5f + t) / 6;
+  if (t <= 0.5f) return 0.5f + 0.75f * t - t * t * t / 3;
+  return 1 - (1.5f - t) * (1.5f - t) * (1.5f - t) / 6;
+}
+
+// How far the middle of a cell lies within a flat surface, cells, by the share of fluid that its kernel sees.
+class Depth {
+ public:
+  Depth() {
+    for (std::size_t k = 0; k <= kSteps; ++k) {
+      float low = -1.5f, high = 1.5f;
+      for (int i = 0; i < 40; ++i) {
+        const float middle = (low + high) / 2;
+        (kernel_below(middle) * kSteps < static_cast<float>(k) ? low : high) = middle;
+      }
+      at_[k] = low;
+    }
+  }
+  float operator()(float share) const {
+    if (!(share > 0)) return at_[0];
+    if (share >= 1) return at_[kSteps];
+    const float x = share * kSteps;
+    const auto k = static_cast<std::size_t>(x);
+    return at_[k] + (x - static_cast<float>(k)) * (at_[k + 1] - at_[k]);
+  }
+
+ private:
+  static constexpr std::size_t kSteps = 256;
+  std::array<float, kSteps + 1> at_{};
+};
+
+// Along one axis: how much is open between the walls of a world, the first of which is at 1.
+struct Open {
+  float wide;  // cells between the walls; 0: there are none
+  float end = wide + 1;
+  float face(std::int32_t i) const { return wide == 0 || (i > 1 && static_cast<float>(i) < end) ? 1.0f : 0.0f; }
+  float cell(std::int32_t i) const {
+    if (wide == 0) return 1;
+    return i < 1 ? 0.0f : std::clamp(end - static_cast<float>(i), 0.0f, 1.0f);
+  }
+  // What a kernel sees at a place; `width`: of its cells.
+  float seen(float middle, float width) const {
+    return wide == 0 ? 1 : kernel_below((end - middle) / width) - kernel_below((1 - middle) / width);
+  }
+};
+
+// Along one axis, of the nodes of a tile: what cells see and how much of them is open, and which faces are.
+struct Axis {
+  std::array<float, kTilePitch> seen{}, cell{}, face{};
+  std::array<float, 2 * kTile> fine{};  // what the nodes of the fine grid see
+
+  Axis(const Open& open, std::int32_t first) {
+    for (std::int32_t k = 0; k < kTilePitch; ++k) {
+      const std::int32_t i = first + k - 1;
+      const auto at = static_cast<std::size_t>(k);
+      seen[at] = open.seen(static_cast<float>(i) + 0.5f, 1);
+      cell[at] = open.cell(i);
+      face[at] = open.face(i);
+    }
+    for (std::int32_t k = 0; k < 2 * kTile; ++k) {
+      fine[static_cast<std::size_t>(k)] =
+          open.seen(static_cast<float>(first) + 0.5f * static_cast<float>(k) + 0.25f, 0.5f);
+    }
+  }
+};
+
+class Setup {
+ public:
+  Setup(FluidGrid& grid, std::size_t tile, const FluidSpace& space)
+      : grid_(grid),
+        t_(tile),
+        tile_(grid.tiles[tile]),
+        x_(Open{space.wide}, kTile * tile_.x),
+        y_(Open{space.high}, kTile * tile_.y),
+        wide_(static_cast<float>(space.cell_x)),
+        high_(static_cast<float>(space.cell_y)),
+        walls_(space.boundary == Boundary::walls) {}
+
+  FluidSurvey run() {
+    look();
+    find_links();
+    FluidSurvey survey;
+    for (std::int32_t j = 0; j < tile_.high; ++j) {
+      for (std::int32_t i = 0; i < tile_.wide; ++i) {
+        field(S::kEdge)[tile_node(i, j)] = at_surface(i, j) ? 1.0f : 0.0f;
+        if (full_[tile_node(i, j)]) make(i, j, survey);
+      }
+    }
+    fill_walls();
+    return survey;
+  }
+
+ private:
+  float* field(S::Field f) { return grid_.field(f, t_); }
+  static std::size_t at(std::int32_t k) { return static_cast<std::size_t>(k) + 1; }
+
+  // Which cells are full, those of the halo among them.
+  void look() {
+    for (const S::Field f : {S::kU, S::kV, S::kVolume}) grid_.pull_ring(f, t_);
+    for (const S::Field f : {S::kLinkX, S::kLinkY, S::kDiagonal, S::kReciprocal, S::kRight, S::kUneven, S::kError,
+                             S::kSlopeX, S::kSlopeY, S::kValidU, S::kValidV}) {
+      std::fill_n(field(f), kTileFloats, 0.0f);
+    }
+    const float* volume = field(S::kVolume);
+    for (std::int32_t j = -1; j <= tile_.high + 1; ++j) {
+      for (std::int32_t i = -1; i <= tile_.wide + 1; ++i) {
+        const std::size_t n = tile_node(i, j);
+        seen_[n] = x_.seen[at(i)] * y_.seen[at(j)];
+        const bool cell = seen_[n] > kLeastSeen && x_.cell[at(i)] * y_.cell[at(j)] > 0;
+        share_[n] = cell ? volume[n] / seen_[n] : 0;
+        full_[n] = cell && share_[n] > kFullCell;
+      }
+    }
+  }
+
+  // Of two cells beside each other, 1 / the way from the middle of the full one to where pressure is zero, in cells: a
+  // surface may be nearer than the other's middle (Gibou et al. 2002).
+  float slope(std::size_t n, std::size_t m) const {
+    static const Depth depth;
+    if (full_[n] == full_[m]) return 1;
+    const float in = std::max(depth(full_[n] ? share_[n] : share_[m]), 1e-3f);
+    const float out = std::min(depth(full_[n] ? share_[m] : share_[n]), -1e-3f);
+    return 1 / std::clamp(in / (in - out), kLeastWay, 1.0f);
+  }
+
+  void find_links() {
+    const float by_x = high_ / wide_, by_y = wide_ / high_;
+    for (std::int32_t j = 0; j <= tile_.high; ++j) {
+      for (std::int32_t i = 0; i <= tile_.wide; ++i) {
+        const std::size_t n = tile_node(i, j), left = n - 1, below = n - kTilePitch;
+        if (full_[n] || full_[left]) {
+          field(S::kValidU)[n] = 1;
+          field(S::kSlopeX)[n] = x_.face[at(i)] * slope(n, left);
+          if (full_[n] && full_[left]) field(S::kLinkX)[n] = x_.face[at(i)] * by_x * y_.cell[at(j)];
+        }
+        if (full_[n] || full_[below]) {
+          field(S::kValidV)[n] = 1;
+          field(S::kSlopeY)[n] = y_.face[at(j)] * slope(n, below);
+          if (full_[n] && full_[below]) field(S::kLinkY)[n] = y_.face[at(j)] * by_y * x_.cell[at(i)];
+        }
+      }
+    }
+  }
+
+  // Whether a cell or one beside it is not full, and no wall.
+  bool at_surface(std::int32_t i, std::int32_t j) const {
+    for (std::int32_t b = -1; b <= 1; ++b) {
+      for (std::int32_t a = -1; a <= 1; ++a) {
+        const std::size_t m = tile_node(i + a, j + b);
+        if (!full_[m] && seen_[m] > kSolidSeen) return true;
+      }
+    }
+    return false;
+  }
+
+  void make(std::int32_t i, std::int32_t j, FluidSurvey& survey) {
+    const std::size_t n = tile_node(i, j), right_of = n + 1, above = n + kTilePitch;
+    const float *sx = field(S::kSlopeX), *sy = field(S::kSlopeY), *u = field(S::kU), *v = field(S::kV);
+    const float open_x = y_.cell[at(j)], open_y = x_.cell[at(i)];  // of its left and right faces, and of the other two
+    const float diagonal =
+        high_ / wide_ * open_x * (sx[n] + sx[right_of]) + wide_ / high_ * open_y * (sy[n] + sy[above]);
+    if (!(diagonal > 0)) return;
+    field(S::kDiagonal)[n] = diagonal;
+    field(S::kReciprocal)[n] = 1 / diagonal;
+    const auto flow = [](const float* slope, const float* speed, std::size_t m) {
+      return slope[m] > 0 ? speed[m] : 0.0f;
+    };
+    const float right = -(high_ * open_x * (flow(sx, u, right_of) - flow(sx, u, n)) +
+                          wide_ * open_y * (flow(sy, v, above) - flow(sy, v, n)));
+    float error = share_[n] - 1;
+    if (field(S::kEdge)[n] != 0) error = std::max(error - kSoft, 0.0f);  // only what is too dense counts at a surface
+    const float uneven = std::clamp(error, -kMostUneven, kMostUneven) * seen_[n] * wide_ * high_;
+    field(S::kRight)[n] = right;
+    field(S::kError)[n] = error;
+    field(S::kUneven)[n] = uneven;
+    survey.error += static_cast<double>(std::fabs(error));
+    survey.worst = std::max(survey.worst, std::fabs(error));
+    ++survey.cells;
+    survey.largest = std::max(survey.largest, std::fabs(right));
+    survey.largest_even = std::max(survey.largest_even, std::fabs(uneven));
+  }
+
+  // Particles see walls as full of fluid, so that they are no surface and do not draw them.
+  void fill_walls() {
+    const float* volume = field(S::kVolume);
+    float *fill = field(S::kFill), *fine = field(S::kFine);
+    for (std::int32_t j = 0; j < tile_.high; ++j) {
+      for (std::int32_t i = 0; i < tile_.wide; ++i)
+        fill[tile_node(i, j)] = volume[tile_node(i, j)] + (1 - seen_[tile_node(i, j)]);
+    }
+    if (!walls_) return;
+    for (std::int32_t j = 0; j < 2 * tile_.high; ++j) {
+      for (std::int32_t i = 0; i < 2 * tile_.wide; ++i) {
+        fine[kernels::fine_node(i, j)] +=
+            1 - x_.fine[static_cast<std::size_t>(i)] * y_.fine[static_cast<std::size_t>(j)];
+      }
+    }
+  }
+
+  FluidGrid& grid_;
+  std::size_t t_;
+  const FluidTile& tile_;
+  Axis x_, y_;
+  float wide_, high_;  // of a cell, m
+  bool walls_;
+  float share_[kTileFloats], seen_[kTileFloats];
+  bool full_[kTileFloats];
+};
+
+}  // namespace
+
+FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
+  return Setup(grid, tile, space).run();
+}
+
+void correct_faces(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
+  const FluidTile& of = grid.tiles[tile];
+  grid.pull_cross(S::kPressure, tile);
+  grid.pull_cross(S::kEven, tile);
+  const float *pressure = grid.field(S::kPressure, tile), *even = grid.field(S::kEven, tile);
+  const auto run = [&](std::array<S::Field, 6> f, std::size_t back, float per_cell) {
+    const float *valid = grid.field(f[0], tile), *slope = grid.field(f[1], tile), *old = grid.field(f[2], tile);
+    float *to = grid.field(f[3], tile), *gain = grid.field(f[4], tile), *shift = grid.field(f[5], tile);
+    for (float* a : {gain, shift}) std::fill_n(a, kTileFloats, 0.0f);
+    for (std::int32_t j = 0; j < of.high; ++j) {
+      for (std::int32_t i = 0; i < of.wide; ++i) {
+        const std::size_t n = tile_node(i, j);
+        to[n] = old[n];
+        if (valid[n] == 0) continue;
+        const float by = slope[n] * per_cell;
+        to[n] = slope[n] > 0 ? old[n] - by * (pressure[n] - pressure[n - back]) : 0;
+        gain[n] = to[n] - old[n];
+        shift[n] = -by * (even[n] - even[n - back]);
+      }
+    }
+  };
+  run({S::kValidU, S::kSlopeX, S::kU, S::kNewU, S::kGainU, S::kShiftU}, 1, static_cast<float>(1 / space.cell_x));
+  run({S::kValidV, S::kSlopeY, S::kV, S::kNewV, S::kGainV, S::kShiftV}, kTilePitch,
+      static_cast<float>(1 / space.cell_y));
+}
+
+void extend_faces(FluidGrid& grid, std::size_t tile) {
+  const FluidTile& of = grid.tiles[tile];
+  const auto run = [&](S::Field valid_field, S::Field new_field, S::Field gain_field, S::Field shift_field) {
+    for (const S::Field f : {valid_field, gain_field, shift_field}) grid.pull_cross(f, tile);
+    const float* valid = grid.field(valid_field, tile);
+    float *to = grid.field(new_field, tile), *gain = grid.field(gain_field, tile),
+          *shift = grid.field(shift_field, tile);
+    for (std::int32_t j = 0; j < of.high; ++j) {
+      for (std::int32_t i = 0; i < of.wide; ++i) {
+        const std::size_t n = tile_node(i, j);
+        if (valid[n] != 0) continue;
+        const std::size_t a = n - 1, b = n + 1, c = n - kTilePitch, d = n + kTilePitch;
+        const float found = (valid[a] + valid[b]) + (valid[c] + valid[d]);
+        if (found == 0) continue;
+        for (float* x : {gain, shift}) {
+          x[n] = ((valid[a] * x[a] + valid[b] * x[b]) + (valid[c] * x[c] + valid[d] * x[d])) / found;
+        }
+        to[n] += gain[n];
+      }
+    }
+  };
+  run(S::kValidU, S::kNewU, S::kGainU, S::kShiftU);
+  run(S::kValidV, S::kNewV, S::kGainV, S::kShiftV);
+}
+
+}  // namespace psim

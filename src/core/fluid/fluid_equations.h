@@ -1,0 +1,30 @@
+// The equations of a step, from what particles gave to the grid: which cells are full, where the surface lies between
+// them, what pressure must undo and how uneven the density is.
+#pragma once
+
+#include "fluid/fluid_solver.h"
+
+namespace psim {
+
+/// What the cells of a tile are like.
+struct FluidSurvey {
+  double error = 0;         ///< sum of |error of the density|, relative, over its full cells
+  float worst = 0;          ///< the largest
+  std::uint32_t cells = 0;  ///< full ones
+  float largest = 0;        ///< right side of the equations for pressure
+  float largest_even = 0;   ///< and of those for an even density
+};
+
+/// Share of a cell beyond which it counts as full: then it has an equation.
+inline constexpr float kFullCell = 0.5f;
+
+/// Makes the equations of a tile: its links and its diagonal; in kRight what pressure must undo, m^2/s, and in kUneven
+/// what a displacement must, m^2. All tiles have their sums then (fluid_transfer.h).
+FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& space);
+
+/// New velocities and displacements on the faces of full cells, from the solutions kPressure and kEven.
+void correct_faces(FluidGrid& grid, std::size_t tile, const FluidSpace& space);
+/// Faces that belong to no full cell gain as much as those beside them that do, on the mean. Farther away nothing changes.
+void extend_faces(FluidGrid& grid, std::size_t tile);
+
+}  // namespace psim

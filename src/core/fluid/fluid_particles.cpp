@@ -1,0 +1,199 @@
+#include "fluid/fluid_particles.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace psim {
+
+using kernels::FluidParticle;
+using kernels::kTile;
+
+namespace {
+
+/// Particles nearer than this to the edge of a tile, in cells, need the tile beside it.
+constexpr float kNear = 2;
+
+std::int32_t floor_div(std::int32_t a, std::int32_t b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
+
+// A coordinate that is counted from the corner of tile `tile`: moved to the tile that it is in.
+void to_tile(float& x, std::int32_t& tile, std::int32_t cells, bool wraps) {
+  const float whole = std::floor(x);
+  std::int32_t cell = kTile * tile + static_cast<std::int32_t>(whole);
+  float rest = x - whole;
+  if (rest >= 1) rest = 0x1.fffffep-1f;
+  if (wraps) cell = (cell % cells + cells) % cells;
+  tile = floor_div(cell, kTile);
+  x = static_cast<float>(cell - kTile * tile) + rest;
+}
+
+// Cells of a tile along an axis.
+float width_of(std::int32_t tile, std::int32_t cells) {
+  return static_cast<float>(cells > 0 ? std::min(kTile, cells - kTile * tile) : kTile);
+}
+
+}  // namespace
+
+void FluidParticles::add(double x, double y, Vec2 velocity, std::uint32_t fluid, const FluidSpace& space) {
+  list_.reserve_loosely(count_ + 1);
+  const auto tile_of = [](double at) { return static_cast<std::int32_t>(std::floor(at / kTile)); };
+  std::int32_t tx = tile_of(x), ty = tile_of(y);
+  FluidParticle p{};
+  p.x = static_cast<float>(x - double{kTile} * tx);
+  p.y = static_cast<float>(y - double{kTile} * ty);
+  const bool wraps = space.boundary == Boundary::periodic;
+  to_tile(p.x, tx, space.cells_x, wraps);
+  to_tile(p.y, ty, space.cells_y, wraps);
+  p.u = static_cast<float>(velocity.x);
+  p.v = static_cast<float>(velocity.y);
+  p.id = next_id_++;
+  p.fluid = fluid;
+  list_[count_++] = p;
+  added_.push_back(tile_key(tx, ty));
+}
+
+namespace {
+
+/// Particles keep so far from walls, cells.
+constexpr float kApart = 0.125f;
+
+void keep_between(float& x, float& speed, float low, float high) {
+  if (x < low) {
+    x = low;
+    speed = std::max(speed, 0.0f);
+  } else if (x > high) {
+    x = high;
+    speed = std::min(speed, 0.0f);
+  }
+}
+
+// The numbers of a tile that has this key.
+std::int32_t column_of(std::uint64_t key) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(key) ^ 0x80000000u);
+}
+std::int32_t row_of(std::uint64_t key) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(key >> 32) ^ 0x80000000u);
+}
+
+// The sides of a tile that a particle is near: bit k for FluidTile::near[k].
+std::uint32_t sides_of(const FluidParticle& p, float wide, float high) {
+  const bool left = p.x < kNear, right = p.x >= wide - kNear, below = p.y < kNear, above = p.y >= high - kNear;
+  const std::uint32_t row = 2u | (left ? 1u : 0u) | (right ? 4u : 0u);
+  return row << 3 | (below ? row : 0u) | (above ? row << 6 : 0u);
+}
+
+void sort_keys(std::vector<std::uint64_t>& keys) {
+  std::ranges::sort(keys);  // Total order: keys that are equal are the same.
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+}
+
+}  // namespace
+
+// Moves the particles of a job, and notes the tile of each and the tiles that they are in or near.
+void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const kernels::FluidMotion& motion,
+                                const kernels::KernelTable& kernels) {
+  const std::size_t begin = job * kChunk, end = std::min(count_, begin + kChunk), old = count_ - added_.size();
+  const bool wraps = space.boundary == Boundary::periodic, walls = space.boundary == Boundary::walls;
+  std::vector<std::uint64_t>& keys = chunks_[job].keys;
+  keys.clear();
+  std::uint64_t last = 0;
+  std::uint32_t sides = 0;  // that particles of the tile `last` are near
+  const auto note = [&] {
+    for (std::int32_t k = 0; sides != 0 && k < 9; ++k) {
+      bool there = (sides >> k & 1) != 0;
+      if (!there) continue;
+      const std::uint64_t key = neighbour_key(space, 0, column_of(last) + k % 3 - 1, row_of(last) + k / 3 - 1, there);
+      if (there) keys.push_back(key);
+    }
+    sides = 0;
+  };
+  kernels.move_fluid(list_.data() + begin, end - begin, motion);
+  std::uint32_t of = old_tile_[job];
+  for (std::size_t k = begin; k < end; ++k) {
+    FluidParticle& p = list_[k];
+    std::int32_t tx = 0, ty = 0;
+    if (k < old) {
+      while (old_tiles_[of].first + old_tiles_[of].count <= k) ++of;
+      tx = old_tiles_[of].x;
+      ty = old_tiles_[of].y;
+    } else {
+      tx = column_of(added_[k - old]);
+      ty = row_of(added_[k - old]);
+    }
+    if (walls) {
+      const auto x = static_cast<float>(kTile * tx), y = static_cast<float>(kTile * ty);
+      keep_between(p.x, p.u, 1 + kApart - x, 1 + space.wide - kApart - x);
+      keep_between(p.y, p.v, 1 + kApart - y, 1 + space.high - kApart - y);
+    }
+    to_tile(p.x, tx, space.cells_x, wraps);
+    to_tile(p.y, ty, space.cells_y, wraps);
+    const std::uint64_t key = tile_key(tx, ty);
+    tile_of_[k] = key;
+    if (key != last) {
+      note();
+      last = key;
+    }
+    sides |= sides_of(p, width_of(tx, space.cells_x), width_of(ty, space.cells_y));
+  }
+  note();
+  sort_keys(keys);
+}
+
+void FluidParticles::lay_tiles(const FluidSpace& space, FluidGrid& grid) {
+  keys_.clear();
+  for (const Chunk& chunk : chunks_) keys_.insert(keys_.end(), chunk.keys.begin(), chunk.keys.end());
+  sort_keys(keys_);
+  grid.lay(keys_, space, 0);
+}
+
+void FluidParticles::count_chunk(std::size_t job, const FluidGrid& grid) {
+  std::vector<std::uint32_t>& counts = chunks_[job].counts;
+  counts.assign(grid.size(), 0);
+  std::uint64_t last = ~std::uint64_t{0};
+  std::uint32_t at = 0;
+  for (std::size_t k = job * kChunk; k < std::min(count_, (job + 1) * kChunk); ++k) {
+    if (tile_of_[k] != last) {
+      last = tile_of_[k];
+      at = grid.find(last);
+    }
+    tile_of_[k] = at;
+    ++counts[at];
+  }
+}
+
+void FluidParticles::move(const FluidSpace& space, const kernels::FluidMotion& motion,
+                          const kernels::KernelTable& kernels, FluidGrid& grid, WorkerPool& pool) {
+  const std::size_t jobs = (count_ + kChunk - 1) / kChunk;
+  sorted_.reserve(list_.capacity());
+  tile_of_.reserve(list_.capacity());
+  chunks_.resize(jobs);
+  old_tiles_.assign(grid.tiles.begin(), grid.tiles.end());
+  old_tile_.assign(jobs, 0);
+  std::uint32_t tile = 0;
+  for (std::size_t job = 0; job < jobs; ++job) {
+    while (tile < old_tiles_.size() && old_tiles_[tile].first + old_tiles_[tile].count <= job * kChunk) ++tile;
+    old_tile_[job] = tile;
+  }
+  pool.run(jobs, [&](std::size_t job) { move_chunk(job, space, motion, kernels); });
+  lay_tiles(space, grid);
+  pool.run(jobs, [&](std::size_t job) { count_chunk(job, grid); });
+  std::uint32_t first = 0;
+  for (std::size_t t = 0; t < grid.size(); ++t) {
+    grid.tiles[t].first = first;
+    for (Chunk& chunk : chunks_) {
+      const std::uint32_t n = chunk.counts[t];
+      chunk.counts[t] = first;
+      first += n;
+    }
+    grid.tiles[t].count = first - grid.tiles[t].first;
+  }
+  pool.run(jobs, [&](std::size_t job) {
+    std::vector<std::uint32_t>& next = chunks_[job].counts;
+    for (std::size_t k = job * kChunk; k < std::min(count_, (job + 1) * kChunk); ++k) {
+      sorted_[next[tile_of_[k]]++] = list_[k];
+    }
+  });
+  list_.swap(sorted_);
+  added_.clear();
+}
+
+}  // namespace psim

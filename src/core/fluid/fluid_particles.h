@@ -1,0 +1,58 @@
+// The particles of all fluids, sorted by the tiles of the grid.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/column.h"
+#include "base/worker_pool.h"
+#include "fluid/fluid_tiles.h"
+#include "fluid_views.h"
+#include "kernel_table.h"
+
+namespace psim {
+
+class FluidParticles {
+ public:
+  explicit FluidParticles(MemoryMeter& meter) : list_(meter), sorted_(meter), tile_of_(meter) {}
+
+  std::size_t size() const { return count_; }
+  kernels::FluidParticle* data() { return list_.data(); }
+  const kernels::FluidParticle* data() const { return list_.data(); }
+
+  /// Adds a particle at a place, in cells.
+  void add(double x, double y, Vec2 velocity, std::uint32_t fluid, const FluidSpace& space);
+  /// Moves particles on by a step, keeps them within the walls, sorts them, and makes the tiles of `grid` for them.
+  void move(const FluidSpace& space, const kernels::FluidMotion& motion, const kernels::KernelTable& kernels,
+            FluidGrid& grid, WorkerPool& pool);
+  /// The place of a particle, m.
+  static Vec2 place_of(const kernels::FluidParticle& p, const FluidTile& tile, const FluidSpace& space) {
+    return {space.left + (double{kernels::kTile} * tile.x + p.x) * space.cell_x,
+            space.bottom + (double{kernels::kTile} * tile.y + p.y) * space.cell_y};
+  }
+
+ private:
+  void move_chunk(std::size_t job, const FluidSpace& space, const kernels::FluidMotion& motion,
+                  const kernels::KernelTable& kernels);
+  void lay_tiles(const FluidSpace& space, FluidGrid& grid);
+  void count_chunk(std::size_t job, const FluidGrid& grid);
+
+  static constexpr std::size_t kChunk = 4096;  // particles a job
+  /// What one job found of its particles.
+  struct Chunk {
+    std::vector<std::uint64_t> keys;    // tiles that its particles are in or near
+    std::vector<std::uint32_t> counts;  // particles by tile
+  };
+
+  std::size_t count_ = 0;
+  std::uint32_t next_id_ = 0;
+  Column<kernels::FluidParticle> list_, sorted_;
+  Column<std::uint64_t> tile_of_;  // key of a particle's tile, then its number
+  std::vector<FluidTile> old_tiles_;
+  std::vector<std::uint32_t> old_tile_;  // of each chunk's first particle
+  std::vector<std::uint64_t> added_;     // keys of the tiles of particles that were added since the last sort
+  std::vector<Chunk> chunks_;
+  std::vector<std::uint64_t> keys_;
+};
+
+}  // namespace psim

@@ -1,0 +1,177 @@
+#include "fluid/fluid_solver.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace psim {
+
+using kernels::kTile;
+using kernels::tile_node;
+
+namespace {
+
+// Weights of two sweeps that damp what varies most: Chebyshev on [1/2, 2], where the largest eigenvalue of the equations
+// divided by their diagonal is 2 at most.
+constexpr float kFirstWeight = 0.56169f, kSecondWeight = 1.38953f;
+// Sweeps of the coarsest level, and their weights: Chebyshev on [0.05, 2].
+constexpr std::array<float, 8> kCoarsest = {0.50473f, 0.54476f, 0.63829f, 0.8229f,
+                                            1.19791f, 2.06903f, 4.66598f, 14.54877f};
+constexpr std::size_t kMostLevels = 7;
+
+}  // namespace
+
+void FluidSolver::coarsen(const FluidSpace& space) {
+  levels_ = 1;
+  for (std::size_t l = 1; l < kMostLevels && level(l - 1).size() > 1; ++l) {
+    FluidGrid& fine = level(l - 1);
+    keys_.clear();
+    const auto key_of = [](const FluidTile& t) { return tile_key(t.x >> 1, t.y >> 1); };
+    for (const FluidTile& t : fine.tiles) keys_.push_back(key_of(t));
+    std::ranges::sort(keys_);  // Total order: keys that are equal are the same.
+    keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
+    if (keys_.size() == fine.size()) break;  // tiles lie apart
+    if (coarser_.size() < l) coarser_.push_back(std::make_unique<FluidGrid>(meter_, kCoarseFields));
+    FluidGrid& coarse = level(l);
+    coarse.lay(keys_, space, static_cast<std::int32_t>(l));
+    each(coarse, [&](std::size_t t) {
+      for (const Field f : {kLinkX, kLinkY, kDiagonal, kReciprocal, kRight, kSolution, kOther}) {
+        std::fill_n(coarse.field(f, t), kernels::kTileFloats, 0.0f);
+      }
+    });
+    // A coarse link is half of the links that it stands for: as many, by twice the way.
+    each(fine, [&](std::size_t t) {
+      FluidTile& tile = fine.tiles[t];
+      tile.coarse = coarse.find(key_of(tile));
+      const std::int32_t i0 = kTile / 2 * (tile.x & 1), j0 = kTile / 2 * (tile.y & 1);
+      const float *x = fine.field(kLinkX, t), *y = fine.field(kLinkY, t), *d = fine.field(kDiagonal, t);
+      float *cx = coarse.field(kLinkX, tile.coarse), *cy = coarse.field(kLinkY, tile.coarse);
+      float* cd = coarse.field(kDiagonal, tile.coarse);
+      for (std::int32_t j = 0; j < (tile.high + 1) / 2; ++j) {
+        for (std::int32_t i = 0; i < (tile.wide + 1) / 2; ++i) {
+          const std::size_t to = tile_node(i0 + i, j0 + j);
+          float open = 0;  // what is left of the diagonal: links to places without an equation
+          for (std::int32_t k = 0; k < 4; ++k) {
+            const std::size_t n = tile_node(2 * i + (k & 1), 2 * j + (k >> 1));
+            if (2 * i + (k & 1) >= tile.wide || 2 * j + (k >> 1) >= tile.high || d[n] <= 0) continue;
+            open += d[n] - ((x[n] + x[n + 1]) + (y[n] + y[n + kernels::kTilePitch]));
+            if ((k & 1) == 0) cx[to] += 0.5f * x[n];
+            if ((k >> 1) == 0) cy[to] += 0.5f * y[n];
+          }
+          cd[to] = 0.5f * std::max(open, 0.0f);
+        }
+      }
+    });
+    each(coarse, [&](std::size_t t) {
+      coarse.pull_cross(kLinkX, t);
+      coarse.pull_cross(kLinkY, t);
+      const float *cx = coarse.field(kLinkX, t), *cy = coarse.field(kLinkY, t);
+      float *d = coarse.field(kDiagonal, t), *r = coarse.field(kReciprocal, t);
+      for (std::int32_t j = 0; j < coarse.tiles[t].high; ++j) {
+        for (std::int32_t i = 0; i < coarse.tiles[t].wide; ++i) {
+          const std::size_t n = tile_node(i, j);
+          d[n] += (cx[n] + cx[n + 1]) + (cy[n] + cy[n + kernels::kTilePitch]);
+          r[n] = d[n] > 0 ? 1 / d[n] : 0;
+        }
+      }
+    });
+    levels_ = l + 1;
+  }
+}
+
+void FluidSolver::cycle(std::size_t l, Field right) {
+  FluidGrid& g = level(l);
+  const auto smooth = [&](Field from, Field to, float weight) {
+    each(g, [&](std::size_t t) {
+      g.pull_cross(from, t);
+      kernels_.smooth_fluid(view(g, t), g.field(right, t), weight, g.field(from, t), g.field(to, t));
+    });
+  };
+  each(g, [&](std::size_t t) {
+    kernels_.begin_fluid(view(g, t), g.field(right, t), l + 1 == levels_ ? kCoarsest[0] : kFirstWeight,
+                         g.field(kSolution, t));
+  });
+  if (l + 1 == levels_) {
+    for (std::size_t k = 1; k < kCoarsest.size(); k += 2) {
+      smooth(kSolution, kOther, kCoarsest[k]);
+      smooth(kOther, kSolution, kCoarsest[(k + 1) % kCoarsest.size()]);
+    }
+    return;
+  }
+  smooth(kSolution, kOther, kSecondWeight);
+  FluidGrid& coarse = level(l + 1);
+  each(g, [&](std::size_t t) {
+    const FluidTile& tile = g.tiles[t];
+    g.pull_cross(kOther, t);
+    float* r = g.field(kSolution, t);  // free until the last sweep
+    kernels_.fluid_residual(view(g, t), g.field(right, t), g.field(kOther, t), r);
+    const std::int32_t i0 = kTile / 2 * (tile.x & 1), j0 = kTile / 2 * (tile.y & 1);
+    float* to = coarse.field(kRight, tile.coarse);
+    for (std::int32_t j = 0; j < kTile / 2; ++j) {
+      for (std::int32_t i = 0; i < kTile / 2; ++i) {
+        const std::size_t n = tile_node(2 * i, 2 * j);
+        to[tile_node(i0 + i, j0 + j)] =
+            (r[n] + r[n + 1]) + (r[n + kernels::kTilePitch] + r[n + kernels::kTilePitch + 1]);
+      }
+    }
+  });
+  cycle(l + 1, kRight);
+  each(g, [&](std::size_t t) {
+    const FluidTile& tile = g.tiles[t];
+    const std::int32_t i0 = kTile / 2 * (tile.x & 1), j0 = kTile / 2 * (tile.y & 1);
+    const float *e = coarse.field(kSolution, tile.coarse), *d = g.field(kDiagonal, t);
+    float* x = g.field(kOther, t);
+    for (std::int32_t j = 0; j < kTile; ++j) {
+      for (std::int32_t i = 0; i < kTile; ++i) {
+        const std::size_t n = tile_node(i, j);
+        if (d[n] > 0) x[n] += e[tile_node(i0 + i / 2, j0 + j / 2)];
+      }
+    }
+  });
+  smooth(kOther, kSolution, kSecondWeight);
+  smooth(kSolution, kOther, kFirstWeight);
+  each(g, [&](std::size_t t) { std::copy_n(g.field(kOther, t), kernels::kTileFloats, g.field(kSolution, t)); });
+}
+
+double FluidSolver::sum(const std::vector<double>& parts) const {
+  double total = 0;
+  for (std::size_t t = 0; t < finest_.size(); ++t) total += parts[t];
+  return total;
+}
+
+int FluidSolver::solve(Field x, Field right, float tolerance, int most) {
+  FluidGrid& g = finest_;
+  parts_.resize(g.size());
+  most_.resize(g.size());
+  const auto largest = [&] { return *std::ranges::max_element(most_); };
+  each(g, [&](std::size_t t) {
+    std::fill_n(g.field(kWay, t), kernels::kTileFloats, 0.0f);
+    std::fill_n(g.field(kChange, t), kernels::kTileFloats, 0.0f);
+    g.pull_cross(x, t);
+    kernels_.fluid_residual(view(g, t), g.field(right, t), g.field(x, t), g.field(kResidual, t));
+    most_[t] = kernels_.advance_fluid(0, g.field(kWay, t), g.field(kChange, t), g.field(x, t), g.field(kResidual, t));
+  });
+  double before = 0;
+  for (int k = 0;; ++k) {
+    if (!(largest() > tolerance) || k == most) return k;
+    cycle(0, kResidual);
+    each(g, [&](std::size_t t) { parts_[t] = kernels_.fluid_product(g.field(kResidual, t), g.field(kSolution, t)); });
+    const double now = sum(parts_);
+    if (!(now > 0)) return k;
+    const auto share = static_cast<float>(k == 0 ? 0 : now / before);
+    before = now;
+    each(g, [&](std::size_t t) { kernels_.turn_fluid(g.field(kSolution, t), share, g.field(kWay, t)); });
+    each(g, [&](std::size_t t) {
+      g.pull_cross(kWay, t);
+      parts_[t] = kernels_.apply_fluid(view(g, t), g.field(kWay, t), g.field(kChange, t));
+    });
+    const double bent = sum(parts_);
+    if (!(bent > 0)) return k;
+    const auto step = static_cast<float>(now / bent);
+    each(g, [&](std::size_t t) {
+      most_[t] =
+          kernels_.advance_fluid(step, g.field(kWay, t), g.field(kChange, t), g.field(x, t), g.field(kResidual, t));
+    });
+  }
+}
+
+}  // namespace psim

@@ -1,0 +1,18 @@
+// Between the particles and the tiles of a grid.
+#pragma once
+
+#include "fluid/fluid_particles.h"
+#include "fluid/fluid_solver.h"
+
+namespace psim {
+
+/// Sums mass, momentum and volume of a tile's particles, at its own nodes and in its halo.
+void scatter_particles(FluidGrid& grid, std::size_t tile, const FluidParticles& particles,
+                       const kernels::KernelTable& kernels, const kernels::FluidMotion& motion);
+/// Adds what the neighbours' particles gave to the nodes of a tile; then momenta become velocities.
+void sum_up(FluidGrid& grid, std::size_t tile);
+/// Gives the particles of a tile what its faces gained, and moves them where the density is even.
+void gather_particles(FluidGrid& grid, std::size_t tile, FluidParticles& particles, const kernels::KernelTable& kernels,
+                      const kernels::FluidMotion& motion);
+
+}  // namespace psim

@@ -1,0 +1,186 @@
+#include "fluid/fluids.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fluid/fluid_equations.h"
+#include "fluid/fluid_transfer.h"
+
+namespace psim {
+
+using kernels::kTile;
+using kernels::kTileFloats;
+using kernels::tile_node;
+using S = FluidSolver;
+
+namespace {
+
+// How particles take part (docs/decisions/036-fluids.md).
+constexpr float kHistory = 1.0f / 3, kCalming = 0.05f, kSpreading = 0.1f;
+// What is left of the equations' right sides is at most this share of the largest.
+constexpr float kPressureTolerance = 1e-4f, kEvenTolerance = 1e-2f;
+constexpr int kMostIterations = 100;
+
+}  // namespace
+
+std::uint32_t Fluids::add_kind(const FluidKind& kind) {
+  kinds_.push_back(kind);
+  const double share = kind.spacing * kind.spacing / (space_.cell_x * space_.cell_y);
+  volume_.push_back(static_cast<float>(share));
+  mass_.push_back(static_cast<float>(share * kind.density / kinds_[0].density));
+  return static_cast<std::uint32_t>(kinds_.size() - 1);
+}
+
+void Fluids::add(std::uint32_t fluid, Vec2 place, Vec2 velocity) {
+  particles_.add((place.x - space_.left) / space_.cell_x, (place.y - space_.bottom) / space_.cell_y, velocity, fluid,
+                 space_);
+}
+
+void Fluids::step(double dt, Vec2 gravity) {
+  if (particles_.size() == 0) return;
+  FluidGrid& grid = solver_.grid();
+  const auto f = [](double a) { return static_cast<float>(a); };
+  motion_ = {f(dt),
+             f(gravity.x),
+             f(gravity.y),
+             kHistory,
+             kCalming,
+             kSpreading,
+             f(space_.cell_x),
+             f(space_.cell_y),
+             f(1 / space_.cell_x),
+             f(1 / space_.cell_y),
+             volume_.data(),
+             mass_.data()};
+  dt_ = dt;
+  keep_pressure();
+  particles_.move(space_, motion_, kernels_, grid, pool_);
+  recall_pressure();
+  solver_.each_tile([&](std::size_t t) { scatter_particles(grid, t, particles_, kernels_, motion_); });
+  solver_.each_tile([&](std::size_t t) { sum_up(grid, t); });
+  solve();
+  solver_.each_tile([&](std::size_t t) { correct_faces(grid, t, space_); });
+  solver_.each_tile([&](std::size_t t) { extend_faces(grid, t); });
+  solver_.each_tile([&](std::size_t t) { gather_particles(grid, t, particles_, kernels_, motion_); });
+}
+
+// The pressure of a step is the first guess of the next one, in the same cells.
+void Fluids::keep_pressure() {
+  const FluidGrid& grid = solver_.grid();
+  old_keys_.assign(grid.keys.begin(), grid.keys.end());
+  old_pressure_.reserve_loosely(old_keys_.size() * kTileFloats);
+  for (std::size_t t = 0; t < old_keys_.size(); ++t) {
+    std::copy_n(grid.field(S::kPressure, t), kTileFloats, old_pressure_.data() + t * kTileFloats);
+  }
+}
+
+void Fluids::recall_pressure() {
+  FluidGrid& grid = solver_.grid();
+  solver_.each_tile([&](std::size_t t) {
+    const auto at = std::ranges::lower_bound(old_keys_, grid.keys[t]);
+    float* pressure = grid.field(S::kPressure, t);
+    if (at != old_keys_.end() && *at == grid.keys[t]) {
+      const auto old = static_cast<std::size_t>(at - old_keys_.begin());
+      std::copy_n(old_pressure_.data() + old * kTileFloats, kTileFloats, pressure);
+    } else {
+      std::fill_n(pressure, kTileFloats, 0.0f);
+    }
+  });
+}
+
+void Fluids::solve() {
+  FluidGrid& grid = solver_.grid();
+  surveys_.resize(grid.size());
+  solver_.each_tile([&](std::size_t t) {
+    surveys_[t] = make_equations(grid, t, space_);
+    // A cell without an equation is a place without pressure.
+    const float* diagonal = grid.field(S::kDiagonal, t);
+    float* pressure = grid.field(S::kPressure, t);
+    for (std::size_t n = 0; n < kTileFloats; ++n) {
+      if (diagonal[n] <= 0) pressure[n] = 0;
+    }
+    std::fill_n(grid.field(S::kEven, t), kTileFloats, 0.0f);
+  });
+  FluidSurvey all;
+  for (const FluidSurvey& s : surveys_) {
+    all.error += s.error;
+    all.worst = std::max(all.worst, s.worst);
+    all.cells += s.cells;
+    all.largest = std::max(all.largest, s.largest);
+    all.largest_even = std::max(all.largest_even, s.largest_even);
+  }
+  error_mean_ = all.cells == 0 ? 0 : all.error / all.cells;
+  error_max_ = static_cast<double>(all.worst);
+  solver_.coarsen(space_);
+  const int first = solver_.solve(S::kPressure, S::kRight, kPressureTolerance * all.largest, kMostIterations);
+  const int second = solver_.solve(S::kEven, S::kUneven, kEvenTolerance * all.largest_even, kMostIterations);
+  iterations_ = static_cast<std::uint32_t>(first + second);
+}
+
+FluidCounts Fluids::counts() const {
+  FluidCounts c;
+  c.particles = particles_.size();
+  for (std::size_t k = 0; k < particles_.size(); ++k) {
+    const kernels::FluidParticle& p = particles_.data()[k];
+    const FluidKind& kind = kinds_[p.fluid];
+    const Vec2 v = {double{p.u}, double{p.v}};
+    c.kinetic += 0.5 * kind.density * kind.spacing * kind.spacing * (v.x * v.x + v.y * v.y);
+  }
+  c.density_error_mean = error_mean_;
+  c.density_error_max = error_max_;
+  c.iterations = iterations_;
+  return c;
+}
+
+namespace {
+
+// A field at a place in a tile by the kernel, from the full cells alone, of each what its value and its slope say.
+double value_beside(const FluidGrid& grid, std::size_t tile, S::Field f, double x, double y) {
+  const float *value = grid.field(f, tile), *diagonal = grid.field(S::kDiagonal, tile);
+  const auto full = [&](std::size_t n) { return diagonal[n] > 0; };
+  const auto slope = [&](std::size_t n, std::size_t step) {
+    const bool after = full(n + step), before = full(n - step);
+    const double next = after ? double{value[n + step]} - value[n] : 0,
+                 last = before ? double{value[n]} - value[n - step] : 0;
+    return after && before ? (next + last) / 2 : next + last;
+  };
+  const auto weight = [](double t) {
+    t = std::fabs(t);
+    return t < 0.5 ? 0.75 - t * t : t < 1.5 ? 0.5 * (1.5 - t) * (1.5 - t) : 0.0;
+  };
+  const auto ci = static_cast<std::int32_t>(std::floor(x)), cj = static_cast<std::int32_t>(std::floor(y));
+  double sum = 0, weights = 0;
+  for (std::int32_t j = cj - 1; j <= cj + 1; ++j) {
+    for (std::int32_t i = ci - 1; i <= ci + 1; ++i) {
+      if (i < 0 || j < 0 || i >= grid.tiles[tile].wide || j >= grid.tiles[tile].high) continue;
+      const std::size_t n = tile_node(i, j);
+      if (!full(n)) continue;
+      const double dx = x - i - 0.5, dy = y - j - 0.5, w = weight(dx) * weight(dy);
+      sum += w * (value[n] + dx * slope(n, 1) + dy * slope(n, static_cast<std::size_t>(kernels::kTilePitch)));
+      weights += w;
+    }
+  }
+  return weights > 0 ? sum / weights : 0;
+}
+
+}  // namespace
+
+void Fluids::look(std::vector<Seen>& out) const {
+  out.clear();
+  const FluidGrid& grid = solver_.grid();
+  const double pressure = dt_ > 0 ? kinds_[0].density / dt_ / (1 - double{kHistory}) : 0;
+  for (std::size_t t = 0; t < grid.size(); ++t) {
+    const FluidTile& tile = grid.tiles[t];
+    for (std::uint32_t k = 0; k < tile.count; ++k) {
+      const kernels::FluidParticle& p = particles_.data()[tile.first + k];
+      out.push_back({p.id,
+                     p.fluid,
+                     FluidParticles::place_of(p, tile, space_),
+                     {double{p.u}, double{p.v}},
+                     kinds_[p.fluid].density * (1 + value_beside(grid, t, S::kError, p.x, p.y)),
+                     pressure * value_beside(grid, t, S::kPressure, p.x, p.y)});
+    }
+  }
+}
+
+}  // namespace psim
