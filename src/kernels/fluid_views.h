@@ -66,6 +66,7 @@ struct FluidFields {
   const float* volume;             // share of a cell that is fluid or solid
   const float* edge;               // of a cell: 1 if it or one beside it is not full
   const float* fine;               // particles a spacing, on the fine grid
+  const float *drag_u, *drag_v;    // what viscosity gave; null without it
 };
 
 /// The equation of one level of the grid, a tile of it: diagonal * x - (sum of link * x of a neighbour) = right.

@@ -22,9 +22,9 @@ constexpr double kPi = std::numbers::pi, kFrame = 1.0 / 60;
 struct Basin {
   explicit Basin(Isa isa = Isa::avx2, int threads = 1) : table(kernels_of(isa)), pool(threads) {}
 
-  void open(const Bounds& bounds, Boundary boundary, double spacing, Vec2 corner = {}) {
+  void open(const Bounds& bounds, Boundary boundary, double spacing, double viscosity = 0, Vec2 corner = {}) {
     fluids.begin(fluid_space(bounds, boundary, 2 * spacing, corner));
-    fluids.add_kind({spacing, 1000, 0});
+    fluids.add_kind({spacing, 1000, viscosity});
   }
   void fill(Vec2 corner, double spacing, int columns, int rows) {
     for (int j = 0; j < rows; ++j) {
@@ -91,7 +91,7 @@ TEST(Fluids, AFallIsAParabolaWhereverItBegins) {
   std::vector<Fluids::Seen> first;
   for (const Vec2 corner : {Vec2{0, 0}, Vec2{4096, -8192}}) {
     Basin b;
-    b.open({-1e6, -1e6, 1e6, 1e6}, Boundary::open, 0.03125, corner);
+    b.open({-1e6, -1e6, 1e6, 1e6}, Boundary::open, 0.03125, 0, corner);
     for (int j = 0; j < 20; ++j) {
       for (int i = 0; i < 20; ++i) b.fluids.add(0, corner + Vec2{i * 0.03125, j * 0.03125}, {1.5, 0});
     }
@@ -167,24 +167,62 @@ TEST(Fluids, AStandingWaveKeepsItsPeriodAndItsHeight) {
   EXPECT_LT(peak / first_peak, 1.05);
 }
 
-// Taylor-Green vortices without viscosity are steady: whatever they lose, the method takes.
+// Taylor-Green vortices of n x n particles, from places that are a little uneven.
+void add_vortices(Basin& b, int n, double viscosity) {
+  b.open({0, 0, 1, 1}, Boundary::periodic, 1.0 / n, viscosity);
+  std::mt19937 random(5);
+  const auto jitter = [&] { return 0.2 * (static_cast<double>(random()) / 4294967296.0 - 0.5); };
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k < n; ++k) {
+      const double x = (i + 0.5 + jitter()) / n, y = (k + 0.5 + jitter()) / n;
+      const double u = std::cos(2 * kPi * x) * std::sin(2 * kPi * y), v = std::sin(2 * kPi * x) * std::cos(2 * kPi * y);
+      b.fluids.add(0, {x, y}, {-u, v});
+    }
+  }
+}
+
+// Without viscosity they are steady: whatever they lose, the method takes.
 TEST(Fluids, VorticesKeepTheirEnergy) {
   for (const int n : {50, 100}) {
     Basin b;
-    b.open({0, 0, 1, 1}, Boundary::periodic, 1.0 / n);
-    std::mt19937 random(5);
-    for (int i = 0; i < n; ++i) {
-      for (int k = 0; k < n; ++k) {
-        const auto jitter = [&] { return 0.2 * (static_cast<double>(random()) / 4294967296.0 - 0.5); };
-        const double x = (i + 0.5 + jitter()) / n, y = (k + 0.5 + jitter()) / n;
-        b.fluids.add(0, {x, y},
-                     {-std::cos(2 * kPi * x) * std::sin(2 * kPi * y), std::sin(2 * kPi * x) * std::cos(2 * kPi * y)});
-      }
-    }
+    add_vortices(b, n, 0);
     const double before = b.fluids.counts().kinetic;
     b.run(60, 0);
     EXPECT_NEAR(b.fluids.counts().kinetic / before, 1, n == 50 ? 0.03 : 0.02);
   }
+}
+
+// With viscosity their energy falls as exp(-16 pi^2 nu t).
+TEST(Fluids, VorticesDecayByTheirViscosity) {
+  for (const int n : {50, 100}) {
+    Basin b;
+    add_vortices(b, n, 0.01);
+    const double before = b.fluids.counts().kinetic;
+    for (int second = 1; second <= 2; ++second) {
+      b.run(60, 0);
+      const double left = std::exp(-16 * kPi * kPi * 0.01 * second);
+      EXPECT_NEAR(b.fluids.counts().kinetic / before / left, 1, n == 50 ? 0.03 : 0.01);
+    }
+  }
+}
+
+// Honey between walls that hold it falls far slower than it would alone, however stiff it is.
+TEST(Fluids, HoneyFallsSlowly) {
+  double last = 1e9;
+  for (const double viscosity : {0.1, 10.0, 1000.0}) {
+    Basin b;
+    b.open({0, 0, 3, 2}, Boundary::walls, 0.04, viscosity);
+    b.fill({0, 0}, 0.04, 20, 30);
+    b.run(60);
+    double reach = 0;
+    for (const Fluids::Seen& p : b.look()) {
+      EXPECT_TRUE(std::isfinite(p.place.x) && std::isfinite(p.velocity.x));
+      reach = std::max(reach, p.place.x);
+    }
+    EXPECT_LT(reach, last);
+    last = reach;
+  }
+  EXPECT_LT(last, 0.84);  // it began at 0.8 m
 }
 
 TEST(Fluids, APeriodIsAWholeNumberOfCells) {

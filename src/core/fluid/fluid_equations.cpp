@@ -99,8 +99,7 @@ class Setup {
         x_(Open{space.wide}, kTile * tile_.x),
         y_(Open{space.high}, kTile * tile_.y),
         wide_(static_cast<float>(space.cell_x)),
-        high_(static_cast<float>(space.cell_y)),
-        walls_(space.boundary == Boundary::walls) {}
+        high_(static_cast<float>(space.cell_y)) {}
 
   FluidSurvey run() {
     look();
@@ -112,7 +111,14 @@ class Setup {
         if (full_[tile_node(i, j)]) make(i, j, survey);
       }
     }
-    fill_walls();
+    // Particles see walls as full of fluid, so that they are no surface.
+    const float* volume = field(S::kVolume);
+    for (std::int32_t j = 0; j < tile_.high; ++j) {
+      for (std::int32_t i = 0; i < tile_.wide; ++i) {
+        const std::size_t n = tile_node(i, j);
+        field(S::kFill)[n] = volume[n] + (1 - seen_[n]);
+      }
+    }
     return survey;
   }
 
@@ -206,29 +212,11 @@ class Setup {
     survey.largest_even = std::max(survey.largest_even, std::fabs(uneven));
   }
 
-  // Particles see walls as full of fluid, so that they are no surface and do not draw them.
-  void fill_walls() {
-    const float* volume = field(S::kVolume);
-    float *fill = field(S::kFill), *fine = field(S::kFine);
-    for (std::int32_t j = 0; j < tile_.high; ++j) {
-      for (std::int32_t i = 0; i < tile_.wide; ++i)
-        fill[tile_node(i, j)] = volume[tile_node(i, j)] + (1 - seen_[tile_node(i, j)]);
-    }
-    if (!walls_) return;
-    for (std::int32_t j = 0; j < 2 * tile_.high; ++j) {
-      for (std::int32_t i = 0; i < 2 * tile_.wide; ++i) {
-        fine[kernels::fine_node(i, j)] +=
-            1 - x_.fine[static_cast<std::size_t>(i)] * y_.fine[static_cast<std::size_t>(j)];
-      }
-    }
-  }
-
   FluidGrid& grid_;
   std::size_t t_;
   const FluidTile& tile_;
   Axis x_, y_;
   float wide_, high_;  // of a cell, m
-  bool walls_;
   float share_[kTileFloats], seen_[kTileFloats];
   bool full_[kTileFloats];
 };
@@ -237,6 +225,25 @@ class Setup {
 
 FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
   return Setup(grid, tile, space).run();
+}
+
+void fill_walls(FluidGrid& grid, std::size_t t, const FluidSpace& space) {
+  if (space.boundary != Boundary::walls) return;
+  const FluidTile& tile = grid.tiles[t];
+  const Axis x(Open{space.wide}, kTile * tile.x), y(Open{space.high}, kTile * tile.y);
+  float* fine = grid.field(S::kFine, t);
+  for (std::int32_t j = 0; j < 2 * tile.high; ++j) {
+    for (std::int32_t i = 0; i < 2 * tile.wide; ++i) {
+      fine[kernels::fine_node(i, j)] += 1 - x.fine[static_cast<std::size_t>(i)] * y.fine[static_cast<std::size_t>(j)];
+    }
+  }
+}
+
+WallsBeside walls_beside(const FluidSpace& space, const FluidTile& tile, std::int32_t i, std::int32_t j) {
+  if (space.boundary != Boundary::walls) return {};
+  const Open x{space.wide}, y{space.high};
+  const std::int32_t column = kTile * tile.x + i, row = kTile * tile.y + j;
+  return {x.cell(column - 1) == 0, x.cell(column + 1) == 0, y.cell(row - 1) == 0, y.cell(row + 1) == 0};
 }
 
 void correct_faces(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
@@ -265,13 +272,16 @@ void correct_faces(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
       static_cast<float>(1 / space.cell_y));
 }
 
-void extend_faces(FluidGrid& grid, std::size_t tile) {
+void extend_faces(FluidGrid& grid, std::size_t tile, bool viscous) {
   const FluidTile& of = grid.tiles[tile];
-  const auto run = [&](S::Field valid_field, S::Field new_field, S::Field gain_field, S::Field shift_field) {
+  const auto run = [&](S::Field valid_field, S::Field new_field, S::Field gain_field, S::Field shift_field,
+                       S::Field drag_field) {
     for (const S::Field f : {valid_field, gain_field, shift_field}) grid.pull_cross(f, tile);
+    if (viscous) grid.pull_cross(drag_field, tile);
     const float* valid = grid.field(valid_field, tile);
     float *to = grid.field(new_field, tile), *gain = grid.field(gain_field, tile),
           *shift = grid.field(shift_field, tile);
+    float* drag = viscous ? grid.field(drag_field, tile) : nullptr;
     for (std::int32_t j = 0; j < of.high; ++j) {
       for (std::int32_t i = 0; i < of.wide; ++i) {
         const std::size_t n = tile_node(i, j);
@@ -279,15 +289,18 @@ void extend_faces(FluidGrid& grid, std::size_t tile) {
         const std::size_t a = n - 1, b = n + 1, c = n - kTilePitch, d = n + kTilePitch;
         const float found = (valid[a] + valid[b]) + (valid[c] + valid[d]);
         if (found == 0) continue;
-        for (float* x : {gain, shift}) {
-          x[n] = ((valid[a] * x[a] + valid[b] * x[b]) + (valid[c] * x[c] + valid[d] * x[d])) / found;
-        }
-        to[n] += gain[n];
+        const auto mean = [&](const float* x) {
+          return ((valid[a] * x[a] + valid[b] * x[b]) + (valid[c] * x[c] + valid[d] * x[d])) / found;
+        };
+        gain[n] = mean(gain);
+        shift[n] = mean(shift);
+        if (viscous) drag[n] = mean(drag);
+        to[n] += gain[n] + (viscous ? drag[n] : 0);
       }
     }
   };
-  run(S::kValidU, S::kNewU, S::kGainU, S::kShiftU);
-  run(S::kValidV, S::kNewV, S::kGainV, S::kShiftV);
+  run(S::kValidU, S::kNewU, S::kGainU, S::kShiftU, S::kDragU);
+  run(S::kValidV, S::kNewV, S::kGainV, S::kShiftV, S::kDragV);
 }
 
 }  // namespace psim

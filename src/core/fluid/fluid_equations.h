@@ -22,9 +22,19 @@ inline constexpr float kFullCell = 0.5f;
 /// what a displacement must, m^2. All tiles have their sums then (fluid_transfer.h).
 FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& space);
 
+/// Adds walls to what particles feel as dense. Once a step, after sum_up().
+void fill_walls(FluidGrid& grid, std::size_t tile, const FluidSpace& space);
+
+/// Whether the cells beside a cell of a tile lie within walls.
+struct WallsBeside {
+  bool left, right, below, above;
+};
+WallsBeside walls_beside(const FluidSpace& space, const FluidTile& tile, std::int32_t i, std::int32_t j);
+
 /// New velocities and displacements on the faces of full cells, from the solutions kPressure and kEven.
 void correct_faces(FluidGrid& grid, std::size_t tile, const FluidSpace& space);
 /// Faces that belong to no full cell gain as much as those beside them that do, on the mean. Farther away nothing changes.
-void extend_faces(FluidGrid& grid, std::size_t tile);
+/// `viscous`: kDragU and kDragV, too.
+void extend_faces(FluidGrid& grid, std::size_t tile, bool viscous);
 
 }  // namespace psim

@@ -17,6 +17,9 @@ std::int32_t floor_div(std::int32_t a, std::int32_t b) { return a >= 0 ? a / b :
 
 // A coordinate that is counted from the corner of tile `tile`: moved to the tile that it is in.
 void to_tile(float& x, std::int32_t& tile, std::int32_t cells, bool wraps) {
+  constexpr float kFarthest = 1 << 24;  // cells in a step
+  if (!(x > -kFarthest)) x = -kFarthest;
+  if (!(x < kFarthest)) x = kFarthest;
   const float whole = std::floor(x);
   std::int32_t cell = kTile * tile + static_cast<std::int32_t>(whole);
   float rest = x - whole;

@@ -47,6 +47,8 @@ class FluidSolver {
     kGainV,
     kShiftU,
     kShiftV,
+    kDragU,
+    kDragV,
     kFill,
     kEdge,
     kFine,

@@ -103,16 +103,27 @@ void sum_up(FluidGrid& grid, std::size_t t) {
 }
 
 void gather_particles(FluidGrid& grid, std::size_t t, FluidParticles& particles, const kernels::KernelTable& kernels,
-                      const kernels::FluidMotion& motion) {
+                      const kernels::FluidMotion& motion, bool viscous) {
   const FluidTile& tile = grid.tiles[t];
   if (tile.count == 0) return;
   for (const S::Field f : {S::kNewU, S::kNewV, S::kGainU, S::kGainV, S::kShiftU, S::kShiftV, S::kFill})
     grid.pull_ring(f, t);
+  if (viscous) {
+    for (const S::Field f : {S::kDragU, S::kDragV}) grid.pull_ring(f, t);
+  }
   pull_fine(grid, t);
   const auto field = [&](S::Field f) { return static_cast<const float*>(grid.field(f, t)); };
-  const kernels::FluidFields from = {field(S::kNewU),  field(S::kNewV),   field(S::kGainU),
-                                     field(S::kGainV), field(S::kShiftU), field(S::kShiftV),
-                                     field(S::kFill),  field(S::kEdge),   field(S::kFine)};
+  const kernels::FluidFields from = {field(S::kNewU),
+                                     field(S::kNewV),
+                                     field(S::kGainU),
+                                     field(S::kGainV),
+                                     field(S::kShiftU),
+                                     field(S::kShiftV),
+                                     field(S::kFill),
+                                     field(S::kEdge),
+                                     field(S::kFine),
+                                     viscous ? field(S::kDragU) : nullptr,
+                                     viscous ? field(S::kDragV) : nullptr};
   kernels.gather_fluid(particles.data() + tile.first, tile.count, motion, from);
 }
 

@@ -13,6 +13,6 @@ void scatter_particles(FluidGrid& grid, std::size_t tile, const FluidParticles& 
 void sum_up(FluidGrid& grid, std::size_t tile);
 /// Gives the particles of a tile what its faces gained, and moves them where the density is even.
 void gather_particles(FluidGrid& grid, std::size_t tile, FluidParticles& particles, const kernels::KernelTable& kernels,
-                      const kernels::FluidMotion& motion);
+                      const kernels::FluidMotion& motion, bool viscous);
 
 }  // namespace psim

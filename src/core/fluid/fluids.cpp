@@ -5,6 +5,7 @@
 
 #include "fluid/fluid_equations.h"
 #include "fluid/fluid_transfer.h"
+#include "fluid/fluid_viscosity.h"
 
 namespace psim {
 
@@ -18,13 +19,14 @@ namespace {
 // How particles take part (docs/decisions/036-fluids.md).
 constexpr float kHistory = 1.0f / 3, kCalming = 0.05f, kSpreading = 0.1f;
 // What is left of the equations' right sides is at most this share of the largest.
-constexpr float kPressureTolerance = 1e-4f, kEvenTolerance = 1e-2f;
+constexpr float kPressureTolerance = 1e-4f, kEvenTolerance = 1e-2f, kDragTolerance = 1e-5f;
 constexpr int kMostIterations = 100;
 
 }  // namespace
 
 std::uint32_t Fluids::add_kind(const FluidKind& kind) {
   kinds_.push_back(kind);
+  viscosity_ = std::max(viscosity_, kind.viscosity);
   const double share = kind.spacing * kind.spacing / (space_.cell_x * space_.cell_y);
   volume_.push_back(static_cast<float>(share));
   mass_.push_back(static_cast<float>(share * kind.density / kinds_[0].density));
@@ -57,11 +59,15 @@ void Fluids::step(double dt, Vec2 gravity) {
   particles_.move(space_, motion_, kernels_, grid, pool_);
   recall_pressure();
   solver_.each_tile([&](std::size_t t) { scatter_particles(grid, t, particles_, kernels_, motion_); });
-  solver_.each_tile([&](std::size_t t) { sum_up(grid, t); });
+  solver_.each_tile([&](std::size_t t) {
+    sum_up(grid, t);
+    fill_walls(grid, t, space_);
+  });
+  if (viscosity_ > 0) drag();
   solve();
   solver_.each_tile([&](std::size_t t) { correct_faces(grid, t, space_); });
-  solver_.each_tile([&](std::size_t t) { extend_faces(grid, t); });
-  solver_.each_tile([&](std::size_t t) { gather_particles(grid, t, particles_, kernels_, motion_); });
+  solver_.each_tile([&](std::size_t t) { extend_faces(grid, t, viscosity_ > 0); });
+  solver_.each_tile([&](std::size_t t) { gather_particles(grid, t, particles_, kernels_, motion_, viscosity_ > 0); });
 }
 
 // The pressure of a step is the first guess of the next one, in the same cells.
@@ -86,6 +92,20 @@ void Fluids::recall_pressure() {
       std::fill_n(pressure, kTileFloats, 0.0f);
     }
   });
+}
+
+void Fluids::drag() {
+  FluidGrid& grid = solver_.grid();
+  const Viscosity by = {dt_ * viscosity_ / (space_.cell_x * space_.cell_x),
+                        dt_ * viscosity_ / (space_.cell_y * space_.cell_y)};
+  solver_.each_tile([&](std::size_t t) { make_equations(grid, t, space_); });
+  largest_.resize(grid.size());
+  for (const Component of : {Component::u, Component::v}) {
+    solver_.each_tile([&](std::size_t t) { largest_[t] = make_viscous_equations(grid, t, space_, by, of); });
+    solver_.coarsen(space_);
+    solver_.solve(S::kEven, S::kUneven, kDragTolerance * *std::ranges::max_element(largest_), kMostIterations);
+    solver_.each_tile([&](std::size_t t) { drag_faces(grid, t, by, of); });
+  }
 }
 
 void Fluids::solve() {

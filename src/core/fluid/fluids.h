@@ -54,6 +54,7 @@ class Fluids {
  private:
   void keep_pressure();
   void recall_pressure();
+  void drag();
   void solve();
 
   const kernels::KernelTable& kernels_;
@@ -65,7 +66,9 @@ class Fluids {
   FluidSolver solver_;
   kernels::FluidMotion motion_{};
   double dt_ = 0;
+  double viscosity_ = 0;              // m^2/s: the largest
   std::vector<FluidSurvey> surveys_;  // by tile
+  std::vector<float> largest_;        // speed, m/s, by tile
   std::uint32_t iterations_ = 0;
   double error_mean_ = 0, error_max_ = 0;
   std::vector<std::uint64_t> old_keys_;  // tiles of the last step, and their pressure
