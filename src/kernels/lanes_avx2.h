@@ -11,6 +11,7 @@
 #include "block_layout.h"
 #include "compact_table.h"
 #include "compiler.h"
+#include "four_sse.h"
 
 namespace psim::kernels {
 namespace {
@@ -19,6 +20,7 @@ struct AvxLanes {
   static constexpr std::uint32_t width = 8;
   static constexpr std::uint32_t records = 4;
   static constexpr std::uint32_t doubles = 4;
+  using Four = SseFour;
 
   struct F {
     __m256 v;

@@ -10,6 +10,7 @@
 #include "block_layout.h"
 #include "compact_table.h"
 #include "compiler.h"
+#include "four_neon.h"
 
 namespace psim::kernels {
 namespace {
@@ -18,6 +19,7 @@ struct NeonLanes {
   static constexpr std::uint32_t width = 4;
   static constexpr std::uint32_t records = 2;
   static constexpr std::uint32_t doubles = 2;
+  using Four = NeonFour;
 
   struct F {
     float32x4_t v;

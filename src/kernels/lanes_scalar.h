@@ -14,6 +14,7 @@
 
 #include "block_layout.h"
 #include "compiler.h"
+#include "four_scalar.h"
 
 namespace psim::kernels {
 namespace {
@@ -22,6 +23,7 @@ struct ScalarLanes {
   static constexpr std::uint32_t width = 1;    // floats a register
   static constexpr std::uint32_t records = 1;  // records {x, y} a register
   static constexpr std::uint32_t doubles = 1;  // doubles a register
+  using Four = ScalarFour;
 
   struct F {
     float v;

@@ -8,6 +8,7 @@
 
 #include "block_layout.h"
 #include "compact_table.h"
+#include "four_wasm.h"
 
 namespace psim::kernels {
 namespace {
@@ -16,6 +17,7 @@ struct WasmLanes {
   static constexpr std::uint32_t width = 4;
   static constexpr std::uint32_t records = 2;
   static constexpr std::uint32_t doubles = 2;
+  using Four = WasmFour;
 
   struct F {
     v128_t v;

@@ -84,6 +84,16 @@ std::uint32_t sides_of(const FluidParticle& p, float wide, float high) {
   return row << 3 | (below ? row : 0u) | (above ? row << 6 : 0u);
 }
 
+// Adds the keys of the tiles at these sides of a tile.
+void note_tiles(std::uint64_t tile, std::uint32_t sides, const FluidSpace& space, std::vector<std::uint64_t>& keys) {
+  for (std::int32_t k = 0; k < 9; ++k) {
+    bool there = (sides >> k & 1) != 0;
+    if (!there) continue;
+    const std::uint64_t key = neighbour_key(space, 0, column_of(tile) + k % 3 - 1, row_of(tile) + k / 3 - 1, there);
+    if (there) keys.push_back(key);
+  }
+}
+
 void sort_keys(std::vector<std::uint64_t>& keys) {
   std::ranges::sort(keys);  // Total order: keys that are equal are the same.
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
@@ -99,45 +109,52 @@ void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const 
   std::vector<std::uint64_t>& keys = chunks_[job].keys;
   keys.clear();
   std::uint64_t last = 0;
+  float last_wide = 0, last_high = 0;
   std::uint32_t sides = 0;  // that particles of the tile `last` are near
-  const auto note = [&] {
-    for (std::int32_t k = 0; sides != 0 && k < 9; ++k) {
-      bool there = (sides >> k & 1) != 0;
-      if (!there) continue;
-      const std::uint64_t key = neighbour_key(space, 0, column_of(last) + k % 3 - 1, row_of(last) + k / 3 - 1, there);
-      if (there) keys.push_back(key);
-    }
-    sides = 0;
-  };
   kernels.move_fluid(list_.data() + begin, end - begin, motion);
   std::uint32_t of = old_tile_[job];
+  std::uint64_t from = 0;  // the tile that the particles were in
+  std::int32_t from_x = 0, from_y = 0;
+  float wide = 0, high = 0;
   for (std::size_t k = begin; k < end; ++k) {
     FluidParticle& p = list_[k];
-    std::int32_t tx = 0, ty = 0;
-    if (k < old) {
+    std::uint64_t was = from;
+    if (k >= old) {
+      was = added_[k - old];
+    } else if (old_tiles_[of].first + old_tiles_[of].count <= k || k == begin) {
       while (old_tiles_[of].first + old_tiles_[of].count <= k) ++of;
-      tx = old_tiles_[of].x;
-      ty = old_tiles_[of].y;
-    } else {
-      tx = column_of(added_[k - old]);
-      ty = row_of(added_[k - old]);
+      was = tile_key(old_tiles_[of].x, old_tiles_[of].y);
+    }
+    if (was != from) {
+      from = was;
+      from_x = column_of(was);
+      from_y = row_of(was);
+      wide = width_of(from_x, space.cells_x);
+      high = width_of(from_y, space.cells_y);
     }
     if (walls) {
-      const auto x = static_cast<float>(kTile * tx), y = static_cast<float>(kTile * ty);
+      const auto x = static_cast<float>(kTile * from_x), y = static_cast<float>(kTile * from_y);
       keep_between(p.x, p.u, 1 + kApart - x, 1 + space.wide - kApart - x);
       keep_between(p.y, p.v, 1 + kApart - y, 1 + space.high - kApart - y);
     }
-    to_tile(p.x, tx, space.cells_x, wraps);
-    to_tile(p.y, ty, space.cells_y, wraps);
-    const std::uint64_t key = tile_key(tx, ty);
+    std::uint64_t key = from;
+    if (!(p.x >= 0 && p.x < wide && p.y >= 0 && p.y < high)) {
+      std::int32_t tx = from_x, ty = from_y;
+      to_tile(p.x, tx, space.cells_x, wraps);
+      to_tile(p.y, ty, space.cells_y, wraps);
+      key = tile_key(tx, ty);
+    }
     tile_of_[k] = key;
     if (key != last) {
-      note();
+      note_tiles(last, sides, space, keys);
+      sides = 0;
       last = key;
+      last_wide = width_of(column_of(key), space.cells_x);
+      last_high = width_of(row_of(key), space.cells_y);
     }
-    sides |= sides_of(p, width_of(tx, space.cells_x), width_of(ty, space.cells_y));
+    sides |= sides_of(p, last_wide, last_high);
   }
-  note();
+  note_tiles(last, sides, space, keys);
   sort_keys(keys);
 }
 
