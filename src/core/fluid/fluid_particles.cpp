@@ -59,12 +59,13 @@ namespace {
 /// Particles keep so far from walls, cells.
 constexpr float kApart = 0.125f;
 
+// Where a particle went beyond a wall it comes back by as far, so that fast particles do not all end on one line.
 void keep_between(float& x, float& speed, float low, float high) {
   if (x < low) {
-    x = low;
+    x = std::min(low + (low - x), high);
     speed = std::max(speed, 0.0f);
   } else if (x > high) {
-    x = high;
+    x = std::max(high - (x - high), low);
     speed = std::min(speed, 0.0f);
   }
 }

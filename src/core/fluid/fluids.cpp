@@ -17,7 +17,7 @@ using S = FluidSolver;
 namespace {
 
 // How particles take part (docs/decisions/036-fluids.md).
-constexpr float kHistory = 1.0f / 3, kCalming = 0.05f, kSpreading = 0.1f;
+constexpr float kHistory = 1.0f / 3, kCalming = 0.05f, kSpreading = 0.2f;
 // What is left of the equations' right sides is at most this share of the largest.
 constexpr float kPressureTolerance = 1e-4f, kEvenTolerance = 1e-2f, kDragTolerance = 1e-5f;
 constexpr int kMostIterations = 100;
