@@ -224,7 +224,7 @@ void relax_contacts(const BodyView& b, const ContactView& c, const ContactParams
     M<L> was{};
     if constexpr (kBounce != Bounce::none) {
       was = struck<L>(L::load(c.start + k), l);
-      if (any(was)) vn = vn + keep(was, L::load(c.e + k) * approach_before<L>(b, c, k, nx, ny));
+      if (any(was)) vn = vn + keep(was, rebound<L>(L::load(c.e + k), approach_before<L>(b, c, k, nx, ny)));
     }
     const auto m = kModel == Model::plain ? half : L::load(c.mass + k);
     const auto next = select(negative(l), l, max(l - m * vn, zero));

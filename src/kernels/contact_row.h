@@ -47,20 +47,33 @@ PSIM_INLINE inline Turned<L> turn_normal(const View& c, std::size_t k, M<L> stal
   return {use & (l != 0), l * turn};
 }
 
+/// What to add to vn in an impact: bodies that approached before the kick part with e times that velocity. Bodies that
+/// parted may come together again as fast: they would gain energy if they were held together while others fly apart.
+template <class L>
+PSIM_INLINE inline F<L> rebound(F<L> e, F<L> vn0) {
+  return select(F<L>(0) < vn0, vn0, e * vn0);
+}
+
 /// Impacts with restitution of bodies that touch.
 template <class L>
 struct Impacts {
-  M<L> may;     ///< the approach before the kick is faster than the floor
-  M<L> now;     ///< and it closes the gap within the substep
-  F<L> target;  ///< m/s: what to add to vn there, e vn0
+  M<L> may;     ///< before the kick the bodies approached faster than the floor, or parted as fast
+  M<L> now;     ///< they parted, or their approach closes the gap within the substep
+  F<L> target;  ///< m/s: what to add to vn there
 };
 
-/// `vn0`: the approach before the kick, negative; `s`: the separation.
+/// `vn0`: with what velocity the bodies parted before the kick; `s`: the separation.
 template <class L>
 PSIM_INLINE inline Impacts<L> impacts_of(F<L> e, F<L> vn0, F<L> s, const ContactParams& p) {
   const F<L> zero = 0;
-  const auto may = (vn0 < -p.impact_floor) & (zero < e);
-  return {may, may & (s + vn0 * p.h < zero), e * vn0};
+  const auto meet = (vn0 < -p.impact_floor) & (zero < e), part = p.impact_floor < vn0;
+  return {meet | part, part | (meet & (s + vn0 * p.h < zero)), rebound<L>(e, vn0)};
+}
+
+/// The bias of a row where an impact is now, from that of the row without it.
+template <class L>
+PSIM_INLINE inline F<L> impact_bias(const Impacts<L>& impacts, F<L> bias) {
+  return select(F<L>(0) < impacts.target, max(impacts.target, bias), min(impacts.target, bias));
 }
 
 /// What the solve pass leaves for the relax pass: the impulse at the substep's start, with its sign set where an approach
@@ -114,7 +127,7 @@ PSIM_INLINE inline Aim<L> aim_of(const Softness<L>& soft, F<L> s) {
 /// Where an impact is now, the row parts with the velocity `target` instead, rigidly.
 template <class L>
 PSIM_INLINE inline void aim_at_bounce(Aim<L>& aim, const Impacts<L>& impacts) {
-  aim.bias = select(impacts.now, min(impacts.target, aim.bias), aim.bias);
+  aim.bias = select(impacts.now, impact_bias<L>(impacts, aim.bias), aim.bias);
   aim.mass = select(impacts.now, 1, aim.mass);
   aim.impulse = select(impacts.now, 0, aim.impulse);
 }

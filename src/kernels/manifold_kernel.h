@@ -140,7 +140,7 @@ PSIM_INLINE inline SolvePoint<L> solve_point(ManifoldBlock::Point& point, std::u
   if constexpr (kBounce) {
     const auto vn0 = parting_speed<L>(lanes.before, lanes.n.x, lanes.n.y, x.at, x.bt);
     const auto impacts = impacts_of<L>(lanes.e, vn0, s, p);
-    bias = select(impacts.now, min(impacts.target, bias), bias);
+    bias = select(impacts.now, impact_bias<L>(impacts, bias), bias);
     compliance = select(impacts.now, zero, compliance);
     if constexpr (!kInner) L::store(point.start + k, start_of<L>(x.l, impacts.may));
   } else if constexpr (!kInner) {
@@ -363,9 +363,9 @@ PSIM_INLINE inline void relax_all(const BodyView& b, ManifoldBlock* blocks, Surf
         const auto before = gather_motion<L>(b.vel0, b.rim_speed0, slot);
         const F<L> e = L::load(c->e + k);
         x.was1 = struck<L>(L::load(p1.start + k), l1);
-        vn1 = vn1 + keep(x.was1, e * parting_speed<L>(before, x.n.x, x.n.y, x.at1, x.bt1));
+        vn1 = vn1 + keep(x.was1, rebound<L>(e, parting_speed<L>(before, x.n.x, x.n.y, x.at1, x.bt1)));
         x.was2 = struck<L>(L::load(p2.start + k), l2);
-        vn2 = vn2 + keep(x.was2, e * parting_speed<L>(before, x.n.x, x.n.y, x.at2, x.bt2));
+        vn2 = vn2 + keep(x.was2, rebound<L>(e, parting_speed<L>(before, x.n.x, x.n.y, x.at2, x.bt2)));
       }
       relax_normals<L, kFixedA>(x, m, vn1, vn2);
       L::store(p1.impulse + k, x.n1);

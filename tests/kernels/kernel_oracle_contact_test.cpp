@@ -17,6 +17,12 @@ void push(Contact& x, double normal, double tangent) {
 
 double approach_before(const Contact& x) { return dot(x.n, x.vb0 - x.va0); }
 
+// m/s: what an impact adds to vn. Bodies that parted may come together again as fast.
+double rebound(const Contact& x) {
+  const double vn0 = approach_before(x);
+  return vn0 > 0 ? vn0 : x.e * vn0;
+}
+
 double separation(const Contact& x) { return x.gap + dot(x.n, x.db - x.da); }
 
 void warm(Contact& x, const ContactParams& p) {
@@ -28,10 +34,12 @@ void warm(Contact& x, const ContactParams& p) {
 void solve(Contact& x, const ContactParams& p, bool bounce) {
   const double s = separation(x), vn = dot(x.n, x.vb - x.va), vn0 = approach_before(x);
   double dl = -x.m * (vn + s / double{p.h});
-  const bool fast = x.e > 0 && vn0 < -double{p.impact_floor};
+  const bool fast = x.e > 0 && vn0<-double{p.impact_floor}, parts = vn0> double{p.impact_floor};
   const double soft = s > 0 ? s / double{p.h} : std::fmax(double{p.soft_rate} * s, -double{p.push});
-  if (bounce && fast && s + vn0 * double{p.h} < 0) {
-    dl = -x.m * (vn + std::fmin(x.e * vn0, soft));
+  if (bounce && parts) {
+    dl = -x.m * (vn + std::fmax(rebound(x), soft));
+  } else if (bounce && fast && s + vn0 * double{p.h} < 0) {
+    dl = -x.m * (vn + std::fmin(rebound(x), soft));
   } else if (s <= 0) {
     dl = -x.m * (double{p.soft_mass} * vn + soft) - double{p.soft_impulse} * x.l;
   }
@@ -40,14 +48,14 @@ void solve(Contact& x, const ContactParams& p, bool bounce) {
   const double offset = std::fabs((s + x.radius) * dot(left_of(x.n), u)) / length(u);
   if (s > 0 && offset > x.radius) next = 0;  // they pass each other
   push(x, next - x.l, 0);
-  x.start = std::copysign(std::fmax(x.l, 0.0), fast ? 1 : -1);
+  x.start = std::copysign(std::fmax(x.l, 0.0), fast || parts ? 1 : -1);
   x.l = s > 0 && next <= 0 ? -0.0 : next;
 }
 
 void relax(Contact& x, bool bounce) {
   const bool hit = bounce && !std::signbit(x.start) && x.l > 0;
   const Vec u = x.vb - x.va;
-  const double vn = dot(x.n, u) + (hit ? x.e * approach_before(x) : 0);
+  const double vn = dot(x.n, u) + (hit ? rebound(x) : 0);
   const double next = std::signbit(x.l) ? x.l : std::fmax(x.l - x.m * vn, 0.0);
   const double vt = dot(left_of(x.n), u) - x.u_b - x.u_a;
   const double cap = x.mu * std::fmax(next, 0.0);

@@ -113,22 +113,27 @@ void Squeezed::read_point(const BodyView& v, const ContactParams& p, bool soft, 
 }
 
 // Sets the velocity and the softness with which the points of a row should part, as the kernels do: s is their gap, vn0
-// their velocity before the kick, e their restitution.
+// their velocity before the kick, e their restitution. An impact asks for no more than the velocities of before the kick,
+// turned round, would give. So rows on opposite sides never contradict each other, which would ask for impulses without
+// bounds: overlaps are pushed out by soft rows alone.
 void Squeezed::aim(const ContactParams& p, bool soft, double s, double vn0, double e, SqueezedRow& row) {
   const float was = impulse_of(row);
   row.impulse = double{std::max(was, 0.0f)} * row.unit;
   row.active &= soft || !std::signbit(was);
   row.apart = s > 0;
-  row.bias = row.softness = row.way = 0;
+  row.bias = row.softness = row.way = row.push = 0;
   if (soft && row.apart) row.bias = s * double{p.inv_h};
   if (soft && !row.apart) {
     row.bias = std::max(s * double{p.soft_rate}, -double{p.push}) / double{p.soft_mass};
     row.softness = row.compliance;
+    row.push = -row.bias;
   }
-  const bool bounces = e > 0 && vn0 < -double{p.impact_floor} && (soft ? s + vn0 * double{p.h} < 0 : was > 0);
-  if (!bounces) return;
-  row.bias = std::min(e * vn0, row.bias);
-  row.softness = 0;
+  if (!discs_.model().bounce) return;
+  const bool meets = e > 0 && vn0 < -double{p.impact_floor} && (soft ? s + vn0 * double{p.h} < 0 : was > 0);
+  const bool parts = vn0 > 0 && (soft || was > 0);
+  if (!parts && !(meets && e * vn0 < row.bias)) return;
+  row.bias = parts ? std::max(vn0, row.bias) : e * vn0;
+  row.softness = row.push = 0;
 }
 
 // Finds along which directions the rows of a block push, what an impulse of each adds at each other one, and how they
@@ -211,7 +216,7 @@ bool Squeezed::gains_energy(const BodyView& v) const {
     if (!row.active) continue;
     const double now = parting(v, row), rounding = kOfBodies * length_of(pair_at(v.vel, row.light));
     gained += 0.5 * row.impulse * (row.speed + now);
-    allowed += row.impulse * (std::max(-row.bias, 0.0) + kSlack * (std::fabs(row.speed) + std::fabs(now)) + rounding);
+    allowed += row.impulse * (row.push + kSlack * (std::fabs(row.speed) + std::fabs(now)) + rounding);
   }
   return !(gained <= allowed);
 }

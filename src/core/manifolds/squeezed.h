@@ -47,6 +47,7 @@ struct SqueezedRow {
 
   // In one solve:
   double bias = 0, softness = 0, impulse = 0;  // m/s; compliance, m/s for each N s; N s
+  double push = 0;                             // m/s: how fast overlaps are pushed out
   double start = 0, way = 0;                   // N s: the impulse before a sweep; the direction of the search
   double first = 0, speed = 0;                 // N s: the impulse before; m/s: the parting velocity without impulses
   bool apart = false, active = false;
