@@ -125,13 +125,13 @@ float time_of_impact(const Hull& a, Rotor qa, const Hull& b, double angle_b, dou
                      float my, float slack) {
   // B's points turn about its centre, so those of its core move by at most this much; turning the
   // radius around them moves nothing.
-  const double swing = std::fabs(turn) * (double{b.reach} - b.radius);
+  const double reach = double{b.reach} - b.radius, swing = std::fabs(turn) * reach;
   const double fine = 1e-5 * std::min(double{a.reach}, double{b.reach});
   double target = slack, close_enough = slack + std::max(0.1 * slack, fine);
   double share = 0, most = 1;
   for (int k = 0; k < kMostAdvances; ++k) {
-    const Nearest now = nearest(a, qa, b, rotor_of(angle_b + share * turn), static_cast<float>(dx + share * mx),
-                                static_cast<float>(dy + share * my));
+    const Rotor qb = rotor_of(angle_b + share * turn);
+    const Nearest now = nearest(a, qa, b, qb, static_cast<float>(dx + share * mx), static_cast<float>(dy + share * my));
     if (k == 0 && now.distance <= close_enough) {
       // The hulls touch from the start, for example because a body slides, rolls or tips over. Contacts see to that.
       // Only a body that would go through is stopped: at half its inner radius deep, and in any case before its
@@ -146,10 +146,15 @@ float time_of_impact(const Hull& a, Rotor qa, const Hull& b, double angle_b, dou
     }
     if (now.distance <= close_enough) break;
     // Along the present normal the hulls stay apart for at least this long.
-    const double closing = swing - (double{mx} * now.nx + double{my} * now.ny);
-    if (!(closing > 0)) return static_cast<float>(most);
-    const double advance = (now.distance - target) / closing;
-    share += advance;
+    const double gap = now.distance - target, closing = -(double{mx} * now.nx + double{my} * now.ny);
+    if (!(swing + closing > 0)) return static_cast<float>(most);
+    const double advance = gap / (swing + closing);
+    if (swing == 0 || share + advance >= most) {
+      share += advance;
+    } else {
+      const double growth = turn * turn * reach;
+      share += greater(advance, time_above(b, {qb.s, qb.c}, {now.nx, now.ny}, gap, closing, turn, growth));
+    }
     if (share >= most) return static_cast<float>(most);
   }
   return static_cast<float>(share);
