@@ -142,7 +142,7 @@ int FluidSolver::solve(Field x, Field right, float tolerance, int most) {
   FluidGrid& g = finest_;
   parts_.resize(g.size());
   most_.resize(g.size());
-  const auto largest = [&] { return *std::ranges::max_element(most_); };
+  const auto largest = [&] { return *std::max_element(most_.begin(), most_.end()); };
   each(g, [&](std::size_t t) {
     std::fill_n(g.field(kWay, t), kernels::kTileFloats, 0.0f);
     std::fill_n(g.field(kChange, t), kernels::kTileFloats, 0.0f);

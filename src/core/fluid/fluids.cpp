@@ -103,7 +103,8 @@ void Fluids::drag() {
   for (const Component of : {Component::u, Component::v}) {
     solver_.each_tile([&](std::size_t t) { largest_[t] = make_viscous_equations(grid, t, space_, by, of); });
     solver_.coarsen(space_);
-    solver_.solve(S::kEven, S::kUneven, kDragTolerance * *std::ranges::max_element(largest_), kMostIterations);
+    solver_.solve(S::kEven, S::kUneven, kDragTolerance * *std::max_element(largest_.begin(), largest_.end()),
+                  kMostIterations);
     solver_.each_tile([&](std::size_t t) { drag_faces(grid, t, by, of); });
   }
 }
