@@ -272,12 +272,17 @@ void correct_faces(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
       static_cast<float>(1 / space.cell_y));
 }
 
+void pull_faces(FluidGrid& grid, std::size_t tile, bool viscous) {
+  for (const S::Field f : {S::kValidU, S::kValidV, S::kGainU, S::kGainV, S::kShiftU, S::kShiftV})
+    grid.pull_cross(f, tile);
+  if (!viscous) return;
+  for (const S::Field f : {S::kDragU, S::kDragV}) grid.pull_cross(f, tile);
+}
+
 void extend_faces(FluidGrid& grid, std::size_t tile, bool viscous) {
   const FluidTile& of = grid.tiles[tile];
   const auto run = [&](S::Field valid_field, S::Field new_field, S::Field gain_field, S::Field shift_field,
                        S::Field drag_field) {
-    for (const S::Field f : {valid_field, gain_field, shift_field}) grid.pull_cross(f, tile);
-    if (viscous) grid.pull_cross(drag_field, tile);
     const float* valid = grid.field(valid_field, tile);
     float *to = grid.field(new_field, tile), *gain = grid.field(gain_field, tile),
           *shift = grid.field(shift_field, tile);

@@ -33,6 +33,8 @@ WallsBeside walls_beside(const FluidSpace& space, const FluidTile& tile, std::in
 
 /// New velocities and displacements on the faces of full cells, from the solutions kPressure and kEven.
 void correct_faces(FluidGrid& grid, std::size_t tile, const FluidSpace& space);
+/// Fetches from the neighbours what extend_faces() reads, before any tile is extended.
+void pull_faces(FluidGrid& grid, std::size_t tile, bool viscous);
 /// Faces that belong to no full cell gain as much as those beside them that do, on the mean. Farther away nothing changes.
 /// `viscous`: kDragU and kDragV, too.
 void extend_faces(FluidGrid& grid, std::size_t tile, bool viscous);

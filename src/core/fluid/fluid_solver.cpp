@@ -148,6 +148,9 @@ int FluidSolver::solve(Field x, Field right, float tolerance, int most) {
     std::fill_n(g.field(kChange, t), kernels::kTileFloats, 0.0f);
     g.pull_cross(x, t);
     kernels_.fluid_residual(view(g, t), g.field(right, t), g.field(x, t), g.field(kResidual, t));
+  });
+  // A pass of its own, since it writes what neighbours have just read.
+  each(g, [&](std::size_t t) {
     most_[t] = kernels_.advance_fluid(0, g.field(kWay, t), g.field(kChange, t), g.field(x, t), g.field(kResidual, t));
   });
   double before = 0;

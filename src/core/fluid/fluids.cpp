@@ -66,6 +66,7 @@ void Fluids::step(double dt, Vec2 gravity) {
   if (viscosity_ > 0) drag();
   solve();
   solver_.each_tile([&](std::size_t t) { correct_faces(grid, t, space_); });
+  solver_.each_tile([&](std::size_t t) { pull_faces(grid, t, viscosity_ > 0); });
   solver_.each_tile([&](std::size_t t) { extend_faces(grid, t, viscosity_ > 0); });
   solver_.each_tile([&](std::size_t t) { gather_particles(grid, t, particles_, kernels_, motion_, viscosity_ > 0); });
 }
