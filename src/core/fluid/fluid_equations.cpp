@@ -64,7 +64,7 @@ struct Open {
     if (wide == 0) return 1;
     return i < 1 ? 0.0f : std::clamp(end - static_cast<float>(i), 0.0f, 1.0f);
   }
-  // What a kernel sees at a place; `width`: of its cells.
+  // Returns how much of the kernel at a place lies between the walls. Its cells are `width` wide.
   float seen(float middle, float width) const {
     return wide == 0 ? 1 : kernel_below((end - middle) / width) - kernel_below((1 - middle) / width);
   }
@@ -145,8 +145,8 @@ class Setup {
     }
   }
 
-  // Of two cells beside each other, 1 / the way from the middle of the full one to where pressure is zero, in cells: a
-  // surface may be nearer than the other's middle (Gibou et al. 2002).
+  // Returns 1 / the way from the middle of the full one of two neighbouring cells to where pressure is zero, in cells. A
+  // surface may be nearer than the other cell's middle (Gibou et al. 2002).
   float slope(std::size_t n, std::size_t m) const {
     static const Depth depth;
     if (full_[n] == full_[m]) return 1;

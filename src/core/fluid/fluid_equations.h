@@ -6,7 +6,7 @@
 
 namespace psim {
 
-/// What the cells of a tile are like.
+/// Sums up the full cells of a tile.
 struct FluidSurvey {
   double error = 0;         ///< sum of |error of the density|, relative, over its full cells
   float worst = 0;          ///< the largest

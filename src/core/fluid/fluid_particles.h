@@ -38,7 +38,7 @@ class FluidParticles {
   void count_chunk(std::size_t job, const FluidGrid& grid);
 
   static constexpr std::size_t kChunk = 4096;  // particles a job
-  /// What one job found of its particles.
+  /// A job notes here where its particles are.
   struct Chunk {
     std::vector<std::uint64_t> keys;    // tiles that its particles are in or near
     std::vector<std::uint32_t> counts;  // particles by tile

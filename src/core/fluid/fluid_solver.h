@@ -31,7 +31,7 @@ class FluidSolver {
     kEven,
     kUneven,
     kError,
-    // Of the fluid's step (fluids.cpp).
+    // The fluid's step uses those that follow (fluids.cpp).
     kMassU,
     kU,
     kMassV,
