@@ -113,6 +113,13 @@ std::string report_json(const RunReport& report) {
                     {"kinetic", report.end.kinetic},
                     {"potential", report.end.potential}};
   json["momentum"] = {{"x", report.end.momentum_x}, {"y", report.end.momentum_y}};
+  if (report.fluid) {
+    json["fluid"] = {{"particles", report.fluid->particles},
+                     {"kinetic", report.fluid->kinetic},
+                     {"density_error_mean", report.fluid->density_error_mean},
+                     {"density_error_max", report.fluid->density_error_max},
+                     {"iterations", report.fluid->iterations}};
+  }
   json["max_penetration"] = report.end.max_penetration;
   json["virial"] = report.virial;
   json["escaped"] = report.escaped;
