@@ -119,4 +119,10 @@ inline Given& given() {
   return all;
 }
 
+// Adds a fluid and some particles.
+inline bool pour(World& world, std::string& error) {
+  const FluidId fluid = world.add_fluid({0.1, 1000, 0}, error);
+  return fluid != kNoFluid && world.add_particles(fluid, std::vector<Vec2>(40, {0, 3}), {}, error);
+}
+
 }  // namespace psim::test

@@ -96,11 +96,7 @@ const std::vector<Named>& calls() {
        [](World& w) {
          return w.explode({{0, 1}, 3, 5, 0.1, ~0u}).has_value();
        }},
-      {"fluids",
-       [](World& w) {
-         const FluidId fluid = w.add_fluid({0.1, 1000, 0}, error);
-         return fluid != kNoFluid && w.add_particles(fluid, std::vector<Vec2>(40, {0, 3}), {}, error);
-       }},
+      {"fluids", [](World& w) { return pour(w, error); }},
       {"fields", [](World& w) { return w.set_fields(given().fields, error); }},
       {"a sleeper becomes a wall", [](World& w) { return w.set_body(nth(w, kAsleep), given().terrain, error); }},
       {"the ground becomes a bar", [](World& w) { return w.set_body(nth(w, 0), given().bar, error); }},

@@ -19,8 +19,9 @@ static bool is_tile(std::uint64_t key, const FluidSpace& space) {
   return x >= 0 && y >= 0 && x <= (space.cells_x - 1) / kernels::kTile && y <= (space.cells_y - 1) / kernels::kTile;
 }
 
+// A place that is rounded may lie on the far edge of its tile.
 static bool is_sound(const kernels::FluidParticle& p, const FluidTile& tile, std::size_t kinds, std::uint32_t ids) {
-  return p.x >= 0 && p.y >= 0 && p.x < static_cast<float>(tile.wide) && p.y < static_cast<float>(tile.high) &&
+  return p.x >= 0 && p.y >= 0 && p.x <= static_cast<float>(tile.wide) && p.y <= static_cast<float>(tile.high) &&
          p.fluid < kinds && p.id < ids;
 }
 

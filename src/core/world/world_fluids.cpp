@@ -58,9 +58,12 @@ bool World::add_particles(FluidId fluid, std::span<const Vec2> positions, std::s
   if (!error.empty()) return false;
   if (positions.empty()) return true;
   w.fluids.make_room(positions.size());
-  // The grid of an open world has its corner at the first particle, so that where a scene lies does not matter.
+  // The grid of an open world has its corner half a spacing from the first particle, as where a region is full. So it
+  // does not matter where a scene lies.
   if (w.fluids.ids() == 0 && w.desc.boundary == Boundary::open) {
-    w.fluids.begin(fluid_space(w.desc.bounds, w.desc.boundary, 2 * w.fluids.kinds()[0].spacing, positions[0]));
+    const double spacing = w.fluids.kinds()[0].spacing;
+    const Vec2 corner = positions[0] - Vec2{spacing / 2, spacing / 2};
+    w.fluids.begin(fluid_space(w.desc.bounds, w.desc.boundary, 2 * spacing, corner));
   }
   for (std::size_t k = 0; k < positions.size(); ++k) {
     w.fluids.add(fluid, positions[k], velocities.empty() ? Vec2{} : velocities[k]);
