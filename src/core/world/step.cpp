@@ -320,6 +320,7 @@ StepReport step(Owners& w, double dt, const StepDetail* given) {
     if (!w.broken) return try_step(w, std::max(dt, kLeastStep), given);
   } catch (const std::bad_alloc&) {
     w.broken = true;
+    w.fluids.clear();  // they may be half sorted
   }
   ran_out_of_memory() = true;
   StepReport report;
