@@ -17,8 +17,8 @@ std::int32_t floor_div(std::int32_t a, std::int32_t b) { return a >= 0 ? a / b :
 
 // A coordinate that is counted from the corner of tile `tile`: moved to the tile that it is in.
 void to_tile(float& x, std::int32_t& tile, std::int32_t cells, bool wraps) {
-  constexpr float kFarthest = 0x1p26f;                                // cells in a step
-  x = x > -kFarthest ? (x < kFarthest ? x : kFarthest) : -kFarthest;  // NaN goes there, too
+  constexpr float kFarthest = 0x1p26f;  // cells in a step
+  x = std::isnan(x) ? 0 : std::clamp(x, -kFarthest, kFarthest);
   const float whole = std::floor(x);
   std::int32_t cell = kTile * tile + static_cast<std::int32_t>(whole);
   float rest = x - whole;

@@ -163,6 +163,8 @@ namespace {
 
 // A field at a place in a tile by the kernel, from the full cells alone, of each what its value and its slope say.
 double value_beside(const FluidGrid& grid, std::size_t tile, S::Field f, double x, double y) {
+  constexpr double kFar = 2 * kTile;  // cells from the corner of the tile
+  if (!(std::fabs(x) <= kFar && std::fabs(y) <= kFar)) return 0;
   const float *value = grid.field(f, tile), *diagonal = grid.field(S::kDiagonal, tile);
   const auto full = [&](std::size_t n) { return diagonal[n] > 0; };
   const auto slope = [&](std::size_t n, std::size_t step) {
@@ -237,6 +239,7 @@ void Fluids::clear() {
   volume_.clear();
   mass_.clear();
   particles_.clear();
+  space_ = FluidSpace();
   solver_.grid().lay({}, space_, 0);
   dt_ = error_mean_ = error_max_ = 0;
   iterations_ = 0;

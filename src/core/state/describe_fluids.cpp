@@ -19,12 +19,6 @@ static bool is_tile(std::uint64_t key, const FluidSpace& space) {
   return x >= 0 && y >= 0 && x <= (space.cells_x - 1) / kernels::kTile && y <= (space.cells_y - 1) / kernels::kTile;
 }
 
-// A place that is rounded may lie on the far edge of its tile.
-static bool is_sound(const kernels::FluidParticle& p, const FluidTile& tile, std::size_t kinds, std::uint32_t ids) {
-  return p.x >= 0 && p.y >= 0 && p.x <= static_cast<float>(tile.wide) && p.y <= static_cast<float>(tile.high) &&
-         p.fluid < kinds && p.id < ids;
-}
-
 void FluidParticles::describe(Archive& a, FluidGrid& grid, const FluidSpace& space, std::size_t kinds) {
   using P = kernels::FluidParticle;
   std::vector<std::uint64_t> keys = grid.keys;
@@ -53,17 +47,15 @@ void FluidParticles::describe(Archive& a, FluidGrid& grid, const FluidSpace& spa
     a.require(first + added_.size() == count_);
     if (!a.ok()) return clear();
   }
-  a.refuse_nan(true, true);
   columns(a, std::span(list_.data(), count_), &P::x, &P::y, &P::u, &P::v, &P::push_x, &P::push_y, &P::ux, &P::uy,
           &P::vx, &P::vy, &P::id, &P::fluid);
-  a.refuse_nan(false);
   if (!a.loading() || !a.ok()) return;
   std::vector<std::uint8_t> there(next_id_);
-  each(grid, [&](const P& p, const FluidTile& tile, std::uint32_t t) {
-    FluidTile whole = tile;
-    if (t == FluidTile::kNone) whole.wide = whole.high = kernels::kTile;
-    a.require(is_sound(p, whole, kinds, next_id_) && there[p.id]++ == 0);
-  });
+  for (std::size_t k = 0; k < count_; ++k) {
+    const P& p = list_[k];
+    a.require(p.fluid < kinds && p.id < next_id_ && there[p.id]++ == 0);
+    if (!a.ok()) return;
+  }
 }
 
 void Fluids::describe_kinds(Archive& a, const Bounds& bounds, Boundary boundary) {
@@ -72,7 +64,7 @@ void Fluids::describe_kinds(Archive& a, const Bounds& bounds, Boundary boundary)
   values(a, kinds, corner);
   if (!a.loading()) return;
   clear();
-  a.require(limits::kCoordinate.contains(corner) || kinds.empty());
+  a.require(std::fabs(corner.x) <= 2 * limits::kCoordinate.max && std::fabs(corner.y) <= 2 * limits::kCoordinate.max);
   for (const FluidKind& kind : kinds) {
     a.require(check_fluid(kind, kinds[0], bounds, boundary).empty());
     if (!a.ok()) return;
