@@ -8,19 +8,19 @@
 namespace psim::test {
 namespace {
 
-std::string scene_text(const std::string& fluids, const std::string& boundary = "walls") {
+std::string fluid_scene(const std::string& fluids, const std::string& boundary = "walls") {
   return R"({"psim": 1, "world": {"bounds": [-4, -4, 4, 4], "boundary": ")" + boundary + R"("}, "fluids": [)" + fluids +
          "]}";
 }
 
-Scene read(const std::string& text) {
+Scene read_fluids(const std::string& text) {
   std::string error;
   const auto scene = parse_scene(text, "f", error);
   if (!scene) throw std::runtime_error(error);
   return *scene;
 }
 
-std::vector<FluidParticleState> made(const Scene& scene) {
+std::vector<FluidParticleState> particles_of(const Scene& scene) {
   std::string error;
   const auto world = build_world(scene, {}, error);
   if (!world) throw std::runtime_error(error);
@@ -29,15 +29,16 @@ std::vector<FluidParticleState> made(const Scene& scene) {
   return all;
 }
 
-std::string refusal(const std::string& fluids) {
+std::string fluid_refusal(const std::string& fluids) {
   std::string error;
-  parse_scene(scene_text(fluids), "f", error);
+  parse_scene(fluid_scene(fluids), "f", error);
   EXPECT_EQ(error.find('\n'), error.npos) << error;
   return error;
 }
 
 TEST(SceneFluids, ARegionIsFilledFromHalfASpacing) {
-  const auto all = made(read(scene_text(R"({"region": [0, 1, 1, 1.5], "spacing": 0.25, "density": 900})")));
+  const auto all =
+      particles_of(read_fluids(fluid_scene(R"({"region": [0, 1, 1, 1.5], "spacing": 0.25, "density": 900})")));
   ASSERT_EQ(all.size(), 8u);
   for (std::size_t k = 0; k < all.size(); ++k) {
     EXPECT_NEAR(all[k].position.x, 0.125 + 0.25 * static_cast<double>(k % 4), 1e-6);
@@ -45,26 +46,27 @@ TEST(SceneFluids, ARegionIsFilledFromHalfASpacing) {
     EXPECT_EQ(all[k].velocity, (Vec2{}));
   }
   // Columns are rounded: 1 / 0.3 to 3, 1 / 0.28 to 4, whose last one still is in the world.
-  EXPECT_EQ(made(read(scene_text(R"({"region": [3, 3, 4, 4], "spacing": 0.3})"))).size(), 9u);
-  EXPECT_EQ(made(read(scene_text(R"({"region": [3, 3, 4, 4], "spacing": 0.28})"))).size(), 16u);
+  EXPECT_EQ(particles_of(read_fluids(fluid_scene(R"({"region": [3, 3, 4, 4], "spacing": 0.3})"))).size(), 9u);
+  EXPECT_EQ(particles_of(read_fluids(fluid_scene(R"({"region": [3, 3, 4, 4], "spacing": 0.28})"))).size(), 16u);
 }
 
 TEST(SceneFluids, ADiscAndAPolygonHoldWhatLiesInThem) {
-  const auto drop = made(read(scene_text(R"({"disc": {"position": [1, 1], "radius": 1}, "spacing": 0.02})")));
+  const auto drop =
+      particles_of(read_fluids(fluid_scene(R"({"disc": {"position": [1, 1], "radius": 1}, "spacing": 0.02})")));
   EXPECT_NEAR(static_cast<double>(drop.size()), kPi / 0.0004, 0.005 * kPi / 0.0004);
   for (const auto& p : drop) EXPECT_LE(std::hypot(p.position.x - 1, p.position.y - 1), 1 + 1e-5);
   // An area that is not convex: an L of 3 m^2, and its line goes round either way.
   for (const char* vertices :
        {"[0,0], [2,0], [2,1], [1,1], [1,2], [0,2]", "[0,2], [1,2], [1,1], [2,1], [2,0], [0,0]"}) {
-    const auto corner =
-        made(read(scene_text(R"({"polygon": {"vertices": [)" + std::string(vertices) + R"(]}, "spacing": 0.1})")));
+    const auto corner = particles_of(
+        read_fluids(fluid_scene(R"({"polygon": {"vertices": [)" + std::string(vertices) + R"(]}, "spacing": 0.1})")));
     EXPECT_EQ(corner.size(), 300u);
     for (const auto& p : corner) EXPECT_FALSE(p.position.x > 1 && p.position.y > 1);
   }
 }
 
 TEST(SceneFluids, ListsAndVelocitiesAreTaken) {
-  const auto all = made(read(scene_text(
+  const auto all = particles_of(read_fluids(fluid_scene(
       R"({"layout": "explicit", "x": [0, 1], "y": [2, 3], "vx": [1, 2], "vy": [3, 4], "spacing": 0.1},
          {"layout": "explicit", "x": [2], "y": [2], "vy": [5], "spacing": 0.1},
          {"region": [-1, -1, -0.9, -0.9], "spacing": 0.1, "velocity": [6, 7]})",
@@ -77,18 +79,18 @@ TEST(SceneFluids, ListsAndVelocitiesAreTaken) {
 }
 
 TEST(SceneFluids, AreWrittenAsTheyWereRead) {
-  const Scene scene = read(scene_text(
+  const Scene scene = read_fluids(fluid_scene(
       R"({"region": [0, 1, 1, 1.5], "spacing": 0.25, "density": 900, "viscosity": 0.01, "velocity": [0.1, -2]},
          {"disc": {"position": [1, -1], "radius": 0.7}, "spacing": 0.1},
          {"polygon": {"vertices": [[0, 0], [-2, 0], [-1, 1.3]]}, "spacing": 0.2},
          {"layout": "explicit", "x": [0.1], "y": [0.2], "vx": [0.3], "vy": [0.4], "spacing": 0.1},
          {"layout": "explicit", "x": [], "y": [], "spacing": 0.1, "velocity": [1, 0]})"));
   const std::string text = scene_to_json(scene);
-  const Scene again = read(text);
+  const Scene again = read_fluids(text);
   EXPECT_EQ(scene_to_json(again), text);
   ASSERT_EQ(again.fluids.size(), 5u);
   EXPECT_EQ(again.fluids[0].fluid.viscosity, 0.01);
-  const auto a = made(scene), b = made(again);
+  const auto a = particles_of(scene), b = particles_of(again);
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t k = 0; k < a.size(); ++k) {
     EXPECT_EQ(a[k].position, b[k].position);
@@ -98,7 +100,7 @@ TEST(SceneFluids, AreWrittenAsTheyWereRead) {
 
 TEST(SceneFluids, WhatIsWrongIsNamed) {
   const auto expect = [](const std::string& fluid, const std::string& what) {
-    const std::string error = refusal(fluid);
+    const std::string error = fluid_refusal(fluid);
     EXPECT_NE(error.find(what), error.npos) << error << "\nis not: " << what;
   };
   const std::string region = R"("region": [0, 0, 1, 1])";
@@ -124,7 +126,7 @@ TEST(SceneFluids, WhatIsWrongIsNamed) {
 
 TEST(SceneFluids, TooManyParticlesAreRefusedBeforeThereAreAny) {
   const auto expect = [](const std::string& fluids) {
-    const std::string error = refusal(fluids);
+    const std::string error = fluid_refusal(fluids);
     EXPECT_NE(error.find("more than 10000000 particles in all"), error.npos) << error;
   };
   expect(R"({"region": [-4, -4, 4, 4], "spacing": 0.001})");
