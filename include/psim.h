@@ -35,6 +35,7 @@
 #include "psim/c/contacts.h"
 #include "psim/c/desc.h"
 #include "psim/c/draw.h"
+#include "psim/c/fluid.h"
 #include "psim/c/geometry.h"
 #include "psim/c/joints.h"
 #include "psim/c/mover.h"

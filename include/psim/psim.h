@@ -7,6 +7,7 @@
 #include "psim/debug_draw.h"
 #include "psim/desc.h"
 #include "psim/events.h"
+#include "psim/fluid.h"
 #include "psim/geometry.h"
 #include "psim/integrator.h"
 #include "psim/isa.h"

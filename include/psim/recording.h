@@ -67,6 +67,9 @@ class PSIM_API Recorder {
   bool set_joint(JointId id, const JointDesc& desc, std::string& error);
   bool set_motor(JointId id, double speed, double limit);
   bool set_target(JointId id, Vec2 point);
+  FluidId add_fluid(const FluidDesc& desc, std::string& error);
+  bool add_particles(FluidId fluid, std::span<const Vec2> positions, std::span<const Vec2> velocities,
+                     std::string& error);
   /// The world's present function is taken over at the start, and handed back at the end. What it decides is recorded.
   void set_pre_solve(PreSolve pre_solve);
   ///@}

@@ -21,14 +21,15 @@ enum class Stage : std::uint8_t {
   colouring,     ///< contacts in groups that share no body
   solver,        ///< contacts and joints
   integrate,     ///< bodies move
+  fluid,         ///< particles of fluids move
   sleep,         ///< who falls asleep
   publish,       ///< snapshots and events
 };
 /// How many stages there are.
-inline constexpr std::size_t kStageCount = 8;
+inline constexpr std::size_t kStageCount = 9;
 /// The words for Stage, by its number.
 inline constexpr std::array<std::string_view, kStageCount> kStageNames = {
-    "forces", "broad_phase", "narrow_phase", "colouring", "solver", "integrate", "sleep", "publish"};
+    "forces", "broad_phase", "narrow_phase", "colouring", "solver", "integrate", "fluid", "sleep", "publish"};
 
 /// A step can leave out these stages and parts of stages. The number of each is its bit in StepReport::skipped.
 enum class Skip : std::uint8_t {

@@ -7,9 +7,11 @@
 #include <string>
 #include <string_view>
 #include <unordered_map>
+#include <variant>
 #include <vector>
 
 #include "psim/desc.h"
+#include "psim/fluid.h"
 #include "psim/joint.h"
 #include "psim/world.h"
 
@@ -58,6 +60,28 @@ struct SceneJoint {
   std::uint64_t joint_a = 0, joint_b = 0;  ///< gear: joints before it, by their index in Scene::joints
 };
 
+/// A disc that is full of a fluid, metres.
+struct FluidDisc {
+  Vec2 position;
+  double radius = 0;
+};
+/// An area that is full of a fluid, within a line that is closed: what is inside by the even-odd rule.
+struct FluidPolygon {
+  std::vector<Vec2> vertices;
+};
+/// Particles one by one; no velocities: as SceneFluid says.
+struct FluidList {
+  std::vector<double> x, y, vx, vy;
+};
+
+/// A fluid of a scene. An area is filled with a lattice that begins half a spacing from the lower left corner of the
+/// rectangle around it, rows from the bottom.
+struct SceneFluid {
+  FluidDesc fluid;
+  std::variant<Bounds, FluidDisc, FluidPolygon, FluidList> place;
+  Vec2 velocity;  ///< of all particles, m/s
+};
+
 struct Scene {
   std::string name;
   std::string description;
@@ -66,6 +90,7 @@ struct Scene {
   std::vector<std::string> body_names;  ///< parallel to bodies; empty = unnamed
   std::vector<GroupDesc> groups;
   std::vector<SceneJoint> joints;
+  std::vector<SceneFluid> fluids;
   std::uint64_t seed = 1;  ///< mixed into every group's seed when set from outside
   /// One line each: what of a file in another format is approximated or left out.
   std::vector<std::string> notes;
@@ -105,7 +130,7 @@ struct PlacedGroup {
 };
 std::optional<PlacedGroup> place_group(const GroupDesc& group, std::string& error);
 
-/// Makes a world and puts every body of the scene into it: `bodies` in order, then `groups`.
+/// Makes a world and puts every body of the scene into it: `bodies` in order, then `groups`; then joints and fluids.
 std::unique_ptr<World> build_world(const Scene& scene, const RunOptions& options, std::string& error);
 
 /// forecast() tells here what a scene will take, without building it.

@@ -16,6 +16,7 @@
 #include "psim/debug_draw.h"
 #include "psim/desc.h"
 #include "psim/events.h"
+#include "psim/fluid.h"
 #include "psim/jobs.h"
 #include "psim/joint.h"
 #include "psim/pre_solve.h"
@@ -242,6 +243,21 @@ class PSIM_API World {
   /// Those of a body, by index; none if the id is stale.
   std::vector<JointId> joints_of(BodyId id) const;
 
+  /// Adds a fluid without particles; kNoFluid and one line in `error` if the description is refused. The first one
+  /// decides how fine the grid is on which all are solved: none of a larger spacing can be added later, and the world's
+  /// bounds must not have too many cells of it. Fluids stay as long as the world.
+  FluidId add_fluid(const FluidDesc& desc, std::string& error);
+  /// Adds particles at these places, metres, inside the world's bounds, as fast as `velocities` says, m/s, or at rest if
+  /// there are none. Ids go on from those before. False and one line in `error`, and nothing changes, if there is no such
+  /// fluid, the spans differ in length, a number is out of its range (psim/limits.h), or the world would have more than
+  /// kMostParticles. Bodies and particles do not meet yet (docs/fluids.md). O(particles that are added).
+  bool add_particles(FluidId fluid, std::span<const Vec2> positions, std::span<const Vec2> velocities,
+                     std::string& error);
+  /// All particles by id, into `out`, whose memory is used again. O(particles).
+  void fluid_particles(std::vector<FluidParticleState>& out) const;
+  /// Sums over all particles. O(particles).
+  FluidReport fluid_report() const;
+
   /// The first body that the way from `from` to `to` enters.
   std::optional<RayHit> ray_cast(Vec2 from, Vec2 to, const QueryFilter& filter = {}) const;
   /// All of them, nearest first, then by id.
@@ -352,8 +368,8 @@ class PSIM_API World {
   Isa isa() const;                      ///< that its kernels use
   int threads() const;                  ///< as created; fewer where the system starts no more
 
-  /// 64-bit hash over every living body's position, angle and velocities in id order; signed
-  /// zeros are alike. The same for every ISA, thread count and compiler. Static bodies included.
+  /// 64-bit hash over every living body's position, angle and velocities in id order, and over those of every particle
+  /// of a fluid; signed zeros are alike. The same for every ISA, thread count and compiler. Static bodies included.
   std::uint64_t state_hash() const;
   /// Energies, momenta and the deepest overlap. O(bodies + contacts). Not beside another call.
   Diagnostics diagnostics() const;

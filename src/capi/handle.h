@@ -50,6 +50,7 @@ struct psim_world {
   std::vector<psim_contact_group> contact_groups;
   std::vector<psim_shape_part> parts;
   std::vector<psim_vec2> corners;  // of parts
+  std::vector<psim_fluid_particle> particles;
   std::vector<std::byte> state, recording;
   std::unique_ptr<psim::Recorder> recorder;  // where a recording is under way
 

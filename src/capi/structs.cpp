@@ -122,6 +122,13 @@ void set_defaults(psim_mover_desc& d) {
   d.push_force = from.push_force;
 }
 
+void set_defaults(psim_fluid_desc& d) {
+  const FluidDesc from;
+  d = zeros<psim_fluid_desc>();
+  d.density = from.density;
+  d.viscosity = from.viscosity;
+}
+
 void set_defaults(psim_event_options& d) {
   d = zeros<psim_event_options>();
   d.hit_speed = EventOptions{}.hit_speed;
@@ -175,7 +182,7 @@ std::string wrong_size(const char* what, std::uint32_t size, std::size_t known) 
 using namespace psim::capi;
 
 void psim_init(void* object, int32_t kind, uint32_t size) {
-  if (object == nullptr || size < 8 || kind < PSIM_STRUCT_WORLD_DESC || kind > PSIM_STRUCT_PART_TRAITS) {
+  if (object == nullptr || size < 8 || kind < PSIM_STRUCT_WORLD_DESC || kind > PSIM_STRUCT_FLUID_REPORT) {
     return;
   }
   std::memset(object, 0, size);
@@ -200,6 +207,9 @@ void psim_init(void* object, int32_t kind, uint32_t size) {
       break;
     case PSIM_STRUCT_PART_TRAITS:
       fill<psim_part_traits>(object, size);
+      break;
+    case PSIM_STRUCT_FLUID_DESC:
+      fill<psim_fluid_desc>(object, size);
       break;
     case PSIM_STRUCT_DEBUG_DRAW:
       fill<psim_debug_draw>(object, size);

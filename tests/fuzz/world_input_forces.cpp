@@ -1,4 +1,4 @@
-// Bodies are pushed, something explodes, fields change, bodies get other descriptions.
+// Bodies are pushed, something explodes, fields change, fluids are poured, bodies get other descriptions.
 #include <limits>
 #include <span>
 #include <string>
@@ -111,6 +111,45 @@ void Session::change_fields(ByteSource& own) {
     return changed;
   });
   require(!done || worlds_.front()->desc().fields.size() == fields.size(), "set_fields does so");
+}
+
+// A fluid, and some particles of it or of an earlier one.
+void Session::pour() {
+  constexpr std::size_t kMostPoured = 300;
+  FluidDesc desc{in_.number(0.3, 1), in_.number(1, 2000), in_.chance(64) ? in_.number(0, 1) : 0};
+  if (!in_.tame && in_.chance(40)) desc.spacing = in_.number(-1e-3, 1e-2);
+  const std::size_t columns = in_.below(12), rows = in_.below(12);
+  const auto which = static_cast<FluidId>(in_.below(3));
+  const Vec2 corner = in_.place(-kHalf, kHalf), velocity = in_.vec2(-20, 20);
+  say("pour %zu x %zu of fluid %u, spacing %g, at %g %g", columns, rows, which, desc.spacing, corner.x, corner.y);
+  std::vector<Vec2> places, velocities;
+  for (std::size_t k = 0; k < columns * rows; ++k) {
+    const auto i = static_cast<double>(k % columns), j = static_cast<double>(k / columns);
+    places.push_back({corner.x + i * desc.spacing, corner.y + j * desc.spacing});
+    if (which == 1) velocities.push_back(velocity);
+  }
+  const std::size_t before = worlds_.front()->fluid_report().particles;
+  if (before > kMostPoured) return;
+  const auto fluid = change<FluidId>("add_fluid", [&](auto& w) {
+    std::string error;
+    const FluidId id = w.add_fluid(desc, error);
+    if (id == kNoFluid) refused(error);
+    return id;
+  });
+  const bool done = change<bool>("add_particles", [&](auto& w) {
+    std::string error;
+    const bool added = w.add_particles(which == 0 ? fluid : which, places, velocities, error);
+    if (!added) refused(error);
+    return added;
+  });
+  const std::size_t after = before + (done ? places.size() : 0);
+  require(worlds_.front()->fluid_report().particles == after, "add_particles: the number of particles");
+  std::vector<FluidParticleState> particles;
+  worlds_.front()->fluid_particles(particles);
+  require(particles.size() == after, "fluid_particles: one for each");
+  for (std::size_t k = 1; k < particles.size(); ++k) {
+    require(particles[k - 1].id < particles[k].id, "fluid_particles: by id");
+  }
 }
 
 }  // namespace psim::fuzz

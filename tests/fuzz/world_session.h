@@ -65,6 +65,7 @@ class Session {
   void change_body(BodyId id, Vec2 place);
   void push_body(BodyId id, Vec2 place);  // world_input_forces.cpp
   void change_fields(ByteSource& own);
+  void pour();
   void add_joint();
   JointId some_joint();
   void touch_joint();

@@ -226,6 +226,8 @@ std::vector<std::byte> seed_recording(World& world, bool governed) {
   recorder.apply_force(other, {1, 2});
   recorder.apply_torque(other, 0.5);
   recorder.explode({{1, 1}, 1, 2, 3});
+  const FluidId fluid = recorder.add_fluid({0.5, 2, 0.1}, error);
+  recorder.add_particles(fluid, std::vector<Vec2>{{4, 4}, {4.5, 4}, {4, 4.5}}, std::vector<Vec2>(3, {0, 1}), error);
   asks.shape = BoxShape{1, 0.5};
   recorder.set_body(asking, asks, error);
   BodyTraits traits = *world.traits(other);
@@ -250,9 +252,9 @@ void renew_corpus() {
     std::string error;
     EXPECT_TRUE(write_bytes(file, bytes, error)) << error;
   };
-  const char* const scenes[] = {"shapes", "group-traits", "groups"};
-  const char* const recordings[] = {"calls", "governed", "discs"};
-  for (int k = 0; k < 3; ++k) {
+  const char* const scenes[] = {"shapes", "group-traits", "groups", "fluids"};
+  const char* const recordings[] = {"calls", "governed", "discs", "fluids"};
+  for (int k = 0; k < 4; ++k) {
     std::vector<std::byte> state;
     seed_world(scenes[k], 12)->save(state);
     const std::vector<std::byte> packed = pack_state(state);
@@ -269,7 +271,7 @@ void renew_corpus() {
 TEST(FuzzCorpus, SavedWorldsAndRecordingsAreOfThisFormat) {
   if (std::getenv("PSIM_RENEW_CORPUS") != nullptr) renew_corpus();
   std::string error;
-  for (const char* const name : {"world-0", "world-1", "world-2"}) {
+  for (const char* const name : {"world-0", "world-1", "world-2", "world-3"}) {
     const std::string bytes = read_file(corpus(std::string("saved/") + name));
     std::vector<std::byte> state;
     ASSERT_TRUE(unpack_state(std::as_bytes(std::span(bytes)), state, error)) << name << ": " << error;
@@ -277,7 +279,7 @@ TEST(FuzzCorpus, SavedWorldsAndRecordingsAreOfThisFormat) {
     ASSERT_TRUE(world) << name << ": " << error;
     EXPECT_GT(world->body_count(), 3u);
   }
-  for (const char* const name : {"calls", "governed", "discs"}) {
+  for (const char* const name : {"calls", "governed", "discs", "fluids"}) {
     const std::string bytes = read_file(corpus(std::string("recording/") + name));
     EXPECT_TRUE(Replay::open(std::as_bytes(std::span(bytes)), {}, error)) << name << ": " << error;
   }

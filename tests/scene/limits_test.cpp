@@ -19,6 +19,7 @@ struct Everything {
   WorldDesc world;
   BodyDesc body;
   JointDesc joint;
+  FluidDesc fluid{1};
 };
 
 struct Row {
@@ -41,6 +42,13 @@ Row step_row(const std::string& member, Range range, std::function<void(Everythi
 
 Row field_row(const std::string& field, Range range, std::function<void(Everything&, double)> put) {
   return {field, range, R"({"psim": 1, "world": {)" + std::string(kBounds) + R"(}, "fields": [{)" + field + "}]}",
+          std::move(put)};
+}
+
+Row fluid_row(const std::string& member, Range range, std::function<void(Everything&, double)> put) {
+  return {member, range,
+          R"({"psim": 1, "world": {)" + std::string(kBounds) +
+              R"(}, "fluids": [{"layout": "explicit", "x": [], "y": [], "spacing": 1, )" + member + "}]}",
           std::move(put)};
 }
 
@@ -108,6 +116,8 @@ std::vector<Row> rows() {
                       e.world.gravity = {0, v};
                     }),
           world_row(R"("linear_damping": #)", kDamping, [](E& e, double v) { e.world.linear_damping = v; }),
+          fluid_row(R"("density": #)", kDensity, [](E& e, double v) { e.fluid.density = v; }),
+          fluid_row(R"("viscosity": #)", kViscosity, [](E& e, double v) { e.fluid.viscosity = v; }),
           step_row(R"("dt": #)", kTimeStep, [](E& e, double v) { e.world.dt = v; }),
           step_row(R"("restitution_threshold": #)", kSpeed, [](E& e, double v) { e.world.restitution_threshold = v; }),
           step_row(R"("skin": #)", kSkin, [](E& e, double v) { e.world.skin = v; }),
@@ -343,6 +353,7 @@ std::string refusal_of_library(const Row& row, double v) {
   other.position = {3, 0};
   e.joint.b = world->add_body(other, error);
   if (row.text.find("joints") != row.text.npos) world->add_joint(e.joint, error);
+  if (row.text.find("fluids") != row.text.npos) world->add_fluid(e.fluid, error);
   return error;
 }
 

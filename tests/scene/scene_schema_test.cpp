@@ -80,7 +80,11 @@ bool beyond_the_schema(std::string_view error) {
                                         "lie on each other",
                                         "ties the neighbours",
                                         "ties dynamic bodies",
-                                        "is for layout"}) {
+                                        "is for layout",
+                                        "one for each particle",
+                                        "that of the first fluid",
+                                        "has no room for a particle",
+                                        "particles in all"}) {
     if (error.find(reason) != error.npos) return true;
   }
   return false;
@@ -175,7 +179,14 @@ const std::vector<std::string>& good_documents() {
                      {"type": "prismatic", "a": 0, "b": 1, "axis": [1, 2], "reference": 1,
                       "lower": -1, "upper": 1, "motor_speed": 1, "motor_limit": 1},
                      {"type": "weld", "a": 0, "b": 1, "reference": 1, "stiffness": 1,
-                      "damping": 1}]})"};
+                      "damping": 1}]})",
+      R"({"psim": 1, "world": {"bounds": [-9, -9, 9, 9]},
+          "fluids": [{"region": [0, 0, 1, 2], "spacing": 0.5, "density": 900, "viscosity": 0.1, "velocity": [1, 0]},
+                     {"disc": {"position": [-2, -2], "radius": 1}, "spacing": 0.5},
+                     {"polygon": {"vertices": [[3, 3], [5, 3], [3, 5]]}, "spacing": 0.5},
+                     {"layout": "explicit", "x": [4, 4.5], "y": [-1, -1], "vx": [0, 1], "vy": [1, 0],
+                      "spacing": 0.25, "density": 900, "viscosity": 0.1},
+                     {"layout": "explicit", "x": [], "y": [], "spacing": 0.5, "velocity": [1, 1]}]})"};
   return kDocuments;
 }
 
@@ -347,7 +358,10 @@ TEST(SceneSchema, DefaultsAreTheParsers) {
            {"type": "gear", "joint_a": 0, "joint_b": 1}]})"},
       {"/$defs/well/properties", "/fields/0",
        world + R"(, "fields": [{"type": "well", "position": [1, 1], "strength": 1}]})"},
-      {"/$defs/drag/properties", "/fields/0", world + R"(, "fields": [{"type": "drag"}]})"}};
+      {"/$defs/drag/properties", "/fields/0", world + R"(, "fields": [{"type": "drag"}]})"},
+      {"/$defs/fluid/properties", "/fluids/0", world + R"(, "fluids": [{"region": [1, 1, 2, 2], "spacing": 0.5}]})"},
+      {"/$defs/listed_fluid/properties", "/fluids/0",
+       world + R"(, "fluids": [{"layout": "explicit", "x": [1], "y": [1], "spacing": 0.5}]})"}};
   const auto read = [](const Json& document) {
     std::string error;
     const auto scene = parse_scene(document.dump(), "f", error);

@@ -102,6 +102,7 @@ struct Given {
   std::vector<std::byte> state;
   std::vector<RayInput> rays = std::vector<RayInput>(300, RayInput{{-20, 0.4}, {20, 0.4}});
   std::vector<RayHit> hits = std::vector<RayHit>(300);
+  std::vector<Vec2> water = std::vector<Vec2>(40, {0, 3});
   std::vector<NearHit> near = std::vector<NearHit>(8);
 
   Given() {
@@ -117,6 +118,12 @@ struct Given {
 inline Given& given() {
   static Given all;
   return all;
+}
+
+// Adds a fluid and some particles.
+inline bool pour(World& world, std::string& error) {
+  const FluidId fluid = world.add_fluid({0.1, 1000, 0}, error);
+  return fluid != kNoFluid && world.add_particles(fluid, given().water, {}, error);
 }
 
 }  // namespace psim::test

@@ -96,6 +96,7 @@ const std::vector<Named>& calls() {
        [](World& w) {
          return w.explode({{0, 1}, 3, 5, 0.1, ~0u}).has_value();
        }},
+      {"fluids", [](World& w) { return pour(w, error); }},
       {"fields", [](World& w) { return w.set_fields(given().fields, error); }},
       {"a sleeper becomes a wall", [](World& w) { return w.set_body(nth(w, kAsleep), given().terrain, error); }},
       {"the ground becomes a bar", [](World& w) { return w.set_body(nth(w, 0), given().bar, error); }},

@@ -52,6 +52,7 @@ struct Traits : BodyCounts {
   bool snapshots = false;
   bool events = false;   ///< the host asked for some
   bool sleeping = true;  ///< bodies may fall asleep
+  bool fluids = false;   ///< there are fluids: looked up for the plan that people read
   friend bool operator==(const Traits&, const Traits&) = default;
 };
 

@@ -17,9 +17,8 @@ std::int32_t floor_div(std::int32_t a, std::int32_t b) { return a >= 0 ? a / b :
 
 // A coordinate that is counted from the corner of tile `tile`: moved to the tile that it is in.
 void to_tile(float& x, std::int32_t& tile, std::int32_t cells, bool wraps) {
-  constexpr float kFarthest = 1 << 24;  // cells in a step
-  if (!(x > -kFarthest)) x = -kFarthest;
-  if (!(x < kFarthest)) x = kFarthest;
+  constexpr float kFarthest = 0x1p26f;  // cells in a step
+  x = std::isnan(x) ? 0 : std::clamp(x, -kFarthest, kFarthest);
   const float whole = std::floor(x);
   std::int32_t cell = kTile * tile + static_cast<std::int32_t>(whole);
   float rest = x - whole;
@@ -35,6 +34,17 @@ float width_of(std::int32_t tile, std::int32_t cells) {
 }
 
 }  // namespace
+
+void FluidParticles::make_room(std::size_t n) {
+  list_.reserve_loosely(count_ + n);
+  if (added_.capacity() - added_.size() < n) added_.reserve(added_.size() + std::max(n, added_.size()));
+}
+
+void FluidParticles::clear() {
+  count_ = 0;
+  next_id_ = 0;
+  added_.clear();
+}
 
 void FluidParticles::add(double x, double y, Vec2 velocity, std::uint32_t fluid, const FluidSpace& space) {
   list_.reserve_loosely(count_ + 1);
@@ -68,14 +78,6 @@ void keep_between(float& x, float& speed, float low, float high) {
     x = std::max(high - (x - high), low);
     speed = std::min(speed, 0.0f);
   }
-}
-
-// The numbers of a tile that has this key.
-std::int32_t column_of(std::uint64_t key) {
-  return static_cast<std::int32_t>(static_cast<std::uint32_t>(key) ^ 0x80000000u);
-}
-std::int32_t row_of(std::uint64_t key) {
-  return static_cast<std::int32_t>(static_cast<std::uint32_t>(key >> 32) ^ 0x80000000u);
 }
 
 // The sides of a tile that a particle is near: bit k for FluidTile::near[k].
@@ -215,6 +217,28 @@ void FluidParticles::move(const FluidSpace& space, const kernels::FluidMotion& m
   });
   list_.swap(sorted_);
   added_.clear();
+}
+
+void FluidParticles::keep_within(const Bounds& bounds, FluidGrid& grid, const FluidSpace& space) {
+  const auto inside = [&](Vec2 at) {
+    return at.x >= bounds.xmin && at.x <= bounds.xmax && at.y >= bounds.ymin && at.y <= bounds.ymax;
+  };
+  const auto whole = [&](const FluidTile& tile) {
+    FluidParticle corner{}, other{};
+    other.x = other.y = static_cast<float>(kTile);
+    return inside(place_of(corner, tile, space)) && inside(place_of(other, tile, space));
+  };
+  if (std::ranges::all_of(grid.tiles, [&](const FluidTile& tile) { return tile.count == 0 || whole(tile); })) return;
+  std::uint32_t to = 0;
+  for (FluidTile& tile : grid.tiles) {
+    const std::uint32_t first = tile.first, end = first + tile.count;
+    tile.first = to;
+    for (std::uint32_t k = first; k < end; ++k) {
+      if (inside(place_of(list_[k], tile, space))) list_[to++] = list_[k];
+    }
+    tile.count = to - tile.first;
+  }
+  count_ = to;
 }
 
 }  // namespace psim

@@ -12,6 +12,8 @@
 
 namespace psim {
 
+class Archive;
+
 class FluidParticles {
  public:
   explicit FluidParticles(MemoryMeter& meter) : list_(meter), sorted_(meter), tile_of_(meter) {}
@@ -20,11 +22,37 @@ class FluidParticles {
   kernels::FluidParticle* data() { return list_.data(); }
   const kernels::FluidParticle* data() const { return list_.data(); }
 
+  /// One more than the largest id.
+  std::uint32_t next_id() const { return next_id_; }
+  std::size_t bytes() const { return list_.bytes() + sorted_.bytes() + tile_of_.bytes(); }
+
+  /// Makes room for n more.
+  void make_room(std::size_t n);
+  void clear();
+  /// Calls see(particle, its tile, the number of the tile in the grid) for all. The tile of one that was added since the
+  /// last step may not be in the grid: its number is FluidTile::kNone.
+  template <class See>
+  void each(const FluidGrid& grid, const See& see) const {
+    for (std::uint32_t t = 0; t < grid.size(); ++t) {
+      const FluidTile& tile = grid.tiles[t];
+      for (std::uint32_t k = 0; k < tile.count; ++k) see(list_[tile.first + k], tile, t);
+    }
+    for (std::size_t k = 0; k < added_.size(); ++k) {
+      FluidTile tile;
+      tile.x = column_of(added_[k]);
+      tile.y = row_of(added_[k]);
+      see(list_[count_ - added_.size() + k], tile, FluidTile::kNone);
+    }
+  }
+  /// For saved states (state/describe_fluids.cpp): with the tiles of `grid` that the particles are sorted by.
+  void describe(Archive& a, FluidGrid& grid, const FluidSpace& space, std::size_t kinds);
   /// Adds a particle at a place, in cells.
   void add(double x, double y, Vec2 velocity, std::uint32_t fluid, const FluidSpace& space);
   /// Moves particles on by a step, keeps them within the walls, sorts them, and makes the tiles of `grid` for them.
   void move(const FluidSpace& space, const kernels::FluidMotion& motion, const kernels::KernelTable& kernels,
             FluidGrid& grid, WorkerPool& pool);
+  /// Removes the sorted particles that are not within the bounds, from the tiles of `grid`, too.
+  void keep_within(const Bounds& bounds, FluidGrid& grid, const FluidSpace& space);
   /// The place of a particle, m.
   static Vec2 place_of(const kernels::FluidParticle& p, const FluidTile& tile, const FluidSpace& space) {
     return {space.left + (double{kernels::kTile} * tile.x + p.x) * space.cell_x,

@@ -132,6 +132,12 @@ void FluidSolver::cycle(std::size_t l, Field right) {
   each(g, [&](std::size_t t) { std::copy_n(g.field(kOther, t), kernels::kTileFloats, g.field(kSolution, t)); });
 }
 
+std::size_t FluidSolver::bytes() const {
+  std::size_t all = finest_.bytes();
+  for (const auto& level : coarser_) all += level->bytes();
+  return all;
+}
+
 double FluidSolver::sum(const std::vector<double>& parts) const {
   double total = 0;
   for (std::size_t t = 0; t < finest_.size(); ++t) total += parts[t];

@@ -60,6 +60,7 @@ class FluidSolver {
 
   FluidGrid& grid() { return finest_; }
   const FluidGrid& grid() const { return finest_; }
+  std::size_t bytes() const;
   /// Makes the coarser levels for the equations in the finest one.
   void coarsen(const FluidSpace& space);
   /// Solves for `x`, which holds a first guess, with the right sides `right`, until no residual is larger than `tolerance`.

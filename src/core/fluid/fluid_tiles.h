@@ -41,6 +41,14 @@ constexpr std::uint64_t tile_key(std::int32_t x, std::int32_t y) {
          (static_cast<std::uint32_t>(x) ^ 0x80000000u);
 }
 
+/// The numbers of the tile that has a key.
+constexpr std::int32_t column_of(std::uint64_t key) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(key) ^ 0x80000000u);
+}
+constexpr std::int32_t row_of(std::uint64_t key) {
+  return static_cast<std::int32_t>(static_cast<std::uint32_t>(key >> 32) ^ 0x80000000u);
+}
+
 /// One level of the grid, and the floats of its tiles: `fields` squares each.
 class FluidGrid {
  public:
@@ -51,6 +59,7 @@ class FluidGrid {
   std::uint32_t find(std::uint64_t key) const;
 
   std::size_t size() const { return tiles.size(); }
+  std::size_t bytes() const { return floats_.bytes(); }
   float* field(std::size_t f, std::size_t tile) { return floats_.data() + (tile * fields_ + f) * kernels::kTileFloats; }
   const float* field(std::size_t f, std::size_t tile) const {
     return floats_.data() + (tile * fields_ + f) * kernels::kTileFloats;

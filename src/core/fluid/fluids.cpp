@@ -1,11 +1,15 @@
 #include "fluid/fluids.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
+#include "base/range_text.h"
+#include "base/sort_keys.h"
 #include "fluid/fluid_equations.h"
 #include "fluid/fluid_transfer.h"
 #include "fluid/fluid_viscosity.h"
+#include "psim/limits.h"
 
 namespace psim {
 
@@ -24,7 +28,30 @@ constexpr int kMostIterations = 100;
 
 }  // namespace
 
+std::string check_fluid(const FluidKind& kind, const FluidKind& first, const Bounds& bounds, Boundary boundary) {
+  RangeCheck check;
+  check("a fluid's spacing", kind.spacing, limits::kSpacing)("a fluid's density", kind.density, limits::kDensity);
+  check("a fluid's viscosity", kind.viscosity, limits::kViscosity);
+  if (!check.error.empty()) return check.error;
+  if (kind.spacing > first.spacing) {
+    return "a fluid's spacing must be at most that of the first fluid, " + exact_text(first.spacing) + " m, not " +
+           exact_text(kind.spacing);
+  }
+  const double width = bounds.xmax - bounds.xmin, height = bounds.ymax - bounds.ymin;
+  const bool open = boundary == Boundary::open;
+  // Cells are counted in 32 bits, and within walls also in floats.
+  const double most = open ? 0x1p29 : 0x1p23, least = open ? 0 : boundary == Boundary::walls ? 1 : 8;
+  const double largest = std::max(width, height) / first.spacing, smallest = std::min(width, height) / first.spacing;
+  if (largest <= most && smallest >= least) return {};
+  return "a fluid's spacing must be " + exact_text(std::max(width, height) / most) +
+         (least > 0 ? " to " + exact_text(std::min(width, height) / least) : " or more") +
+         " m in a world of these bounds, not " + exact_text(first.spacing);
+}
+
 std::uint32_t Fluids::add_kind(const FluidKind& kind) {
+  kinds_.reserve(kinds_.size() + 1);
+  volume_.reserve(kinds_.size() + 1);
+  mass_.reserve(kinds_.size() + 1);
   kinds_.push_back(kind);
   viscosity_ = std::max(viscosity_, kind.viscosity);
   const double share = kind.spacing * kind.spacing / (space_.cell_x * space_.cell_y);
@@ -158,6 +185,8 @@ namespace {
 
 // A field at a place in a tile by the kernel, from the full cells alone, of each what its value and its slope say.
 double value_beside(const FluidGrid& grid, std::size_t tile, S::Field f, double x, double y) {
+  constexpr double kFar = 2 * kTile;  // cells from the corner of the tile
+  if (!(std::fabs(x) <= kFar && std::fabs(y) <= kFar)) return 0;
   const float *value = grid.field(f, tile), *diagonal = grid.field(S::kDiagonal, tile);
   const auto full = [&](std::size_t n) { return diagonal[n] > 0; };
   const auto slope = [&](std::size_t n, std::size_t step) {
@@ -189,20 +218,54 @@ double value_beside(const FluidGrid& grid, std::size_t tile, S::Field f, double 
 
 void Fluids::look(std::vector<Seen>& out) const {
   out.clear();
+  out.reserve(particles_.size());
   const FluidGrid& grid = solver_.grid();
   const double pressure = dt_ > 0 ? kinds_[0].density / dt_ / (1 - double{kHistory}) : 0;
-  for (std::size_t t = 0; t < grid.size(); ++t) {
-    const FluidTile& tile = grid.tiles[t];
-    for (std::uint32_t k = 0; k < tile.count; ++k) {
-      const kernels::FluidParticle& p = particles_.data()[tile.first + k];
-      out.push_back({p.id,
-                     p.fluid,
-                     FluidParticles::place_of(p, tile, space_),
-                     {double{p.u}, double{p.v}},
-                     kinds_[p.fluid].density * (1 + value_beside(grid, t, S::kError, p.x, p.y)),
-                     pressure * value_beside(grid, t, S::kPressure, p.x, p.y)});
+  particles_.each(grid, [&](const kernels::FluidParticle& p, const FluidTile& tile, std::uint32_t t) {
+    const bool stepped = t != FluidTile::kNone;
+    const double error = stepped ? value_beside(grid, t, S::kError, p.x, p.y) : 0;
+    out.push_back({p.id,
+                   p.fluid,
+                   FluidParticles::place_of(p, tile, space_),
+                   {double{p.u}, double{p.v}},
+                   kinds_[p.fluid].density * (1 + error),
+                   stepped ? pressure * value_beside(grid, t, S::kPressure, p.x, p.y) : 0});
+  });
+}
+
+std::uint64_t Fluids::hash(std::uint64_t before) const {
+  struct Moving {
+    Vec2 place, velocity;
+    bool there = false;
+  };
+  std::vector<Moving> by_id(particles_.next_id());
+  particles_.each(solver_.grid(), [&](const kernels::FluidParticle& p, const FluidTile& tile, std::uint32_t) {
+    by_id[p.id] = {FluidParticles::place_of(p, tile, space_), {double{p.u}, double{p.v}}, true};
+  });
+  std::uint64_t hash = before;
+  const auto mix = [&hash](std::uint64_t value) { hash = mixed(hash * 0x9E3779B97F4A7C15u + value); };
+  for (std::size_t id = 0; id < by_id.size(); ++id) {
+    const Moving& p = by_id[id];
+    if (!p.there) continue;
+    mix(id);
+    for (const double value : {p.place.x, p.place.y, p.velocity.x, p.velocity.y}) {
+      // Adding zero makes -0 the same as 0. All NaN are alike.
+      mix(value == value ? std::bit_cast<std::uint64_t>(value + 0.0) : 0x7FF8000000000000u);
     }
   }
+  return hash;
+}
+
+void Fluids::clear() {
+  kinds_.clear();
+  volume_.clear();
+  mass_.clear();
+  viscosity_ = 0;
+  particles_.clear();
+  space_ = FluidSpace();
+  solver_.grid().lay({}, space_, 0);
+  dt_ = error_mean_ = error_max_ = 0;
+  iterations_ = 0;
 }
 
 }  // namespace psim

@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "fluid/fluid_equations.h"
@@ -17,12 +18,17 @@
 
 namespace psim {
 
+class Archive;
+
 /// What a fluid is made of.
 struct FluidKind {
   double spacing = 0;    ///< m
   double density = 0;    ///< kg/m^2
   double viscosity = 0;  ///< m^2/s
 };
+
+/// One line of what is wrong with a fluid of a world whose first fluid is `first`, or empty.
+std::string check_fluid(const FluidKind& kind, const FluidKind& first, const Bounds& bounds, Boundary boundary);
 
 struct FluidCounts {
   std::size_t particles = 0;
@@ -42,8 +48,24 @@ class Fluids {
   /// Moves all fluids by dt seconds. `gravity`: m/s^2.
   void step(double dt, Vec2 gravity);
 
+  /// Makes room for n particles more, whose add() then needs no memory.
+  void make_room(std::size_t n) { particles_.make_room(n); }
+  /// As after the constructor.
+  void clear();
+
+  const std::vector<FluidKind>& kinds() const { return kinds_; }
+  const FluidSpace& space() const { return space_; }
+  /// One more than the largest id that a particle had.
+  std::uint32_t ids() const { return particles_.next_id(); }
+  /// Removes the particles that are not within the bounds.
+  void keep_within(const Bounds& bounds) { particles_.keep_within(bounds, solver_.grid(), space_); }
   std::size_t size() const { return particles_.size(); }
+  std::size_t bytes() const { return particles_.bytes() + solver_.bytes() + old_pressure_.bytes(); }
   FluidCounts counts() const;
+  /// `before` and the particles, by id.
+  std::uint64_t hash(std::uint64_t before) const;
+  /// For saved states (state/describe_fluids.cpp).
+  void describe(Archive& a, const Bounds& bounds, Boundary boundary);
   struct Seen {
     std::uint32_t id, fluid;
     Vec2 place, velocity;
@@ -52,6 +74,7 @@ class Fluids {
   void look(std::vector<Seen>& out) const;
 
  private:
+  void describe_kinds(Archive& a, const Bounds& bounds, Boundary boundary);
   void keep_pressure();
   void recall_pressure();
   void drag();

@@ -170,6 +170,22 @@ bool Recorder::set_fields(const std::vector<Field>& given, std::string& error) {
       world_, [&] { log_->add(kSetFields, given); }, [&] { return world_.set_fields(given, error); });
 }
 
+FluidId Recorder::add_fluid(const FluidDesc& desc, std::string& error) {
+  const auto add = [&] { return world_.add_fluid(desc, error) + 1; };  // 0: it is refused
+  return log_->done(
+             world_, [&] { log_->add(kAddFluid, desc); }, add) -
+         1;
+}
+
+bool Recorder::add_particles(FluidId fluid, std::span<const Vec2> positions, std::span<const Vec2> velocities,
+                             std::string& error) {
+  const auto write = [&] {
+    const auto copy = [](std::span<const Vec2> from) { return std::vector<Vec2>(from.begin(), from.end()); };
+    log_->add(kAddParticles, fluid, copy(positions), copy(velocities));
+  };
+  return log_->done(world_, write, [&] { return world_.add_particles(fluid, positions, velocities, error); });
+}
+
 bool Recorder::remove_body(BodyId id) { return log_->call<0>(world_, id); }
 std::size_t Recorder::remove_bodies(std::span<const BodyId> ids) {
   Log& log = *log_;

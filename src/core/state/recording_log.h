@@ -33,13 +33,15 @@ enum Op : std::uint8_t {
   kSetBody,
   kDecide,
   kRemoveBodies,
+  kAddFluid,
+  kAddParticles,
   kCallsBegin
 };
 inline constexpr std::uint8_t kOps = kCallsBegin + std::tuple_size_v<decltype(kCalls)>;
 
 struct RecordHeader : FileHeader {
   static constexpr std::uint64_t kMagic = 0x31304352'6D697370u;  // "psimRC01"
-  static constexpr std::uint64_t kFormat = 14;
+  static constexpr std::uint64_t kFormat = 15;
   std::uint64_t state = 0;  ///< bytes of the state that it began with
   std::uint64_t steps = 0;
 

@@ -79,6 +79,16 @@ struct Replay::State {
       case kSetFields:
         w.set_fields(get<std::vector<Field>>(), error);
         break;
+      case kAddFluid:
+        w.add_fluid(get<FluidDesc>(), error);
+        break;
+      case kAddParticles: {
+        const auto fluid = get<FluidId>();
+        const auto positions = get<std::vector<Vec2>>();
+        const auto velocities = get<std::vector<Vec2>>();
+        if (log->ok()) w.add_particles(fluid, positions, velocities, error);
+        break;
+      }
       default:
         call(op - std::size_t{kCallsBegin});
     }

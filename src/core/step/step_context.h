@@ -10,6 +10,7 @@
 #include "base/trace.h"
 #include "base/worker_pool.h"
 #include "bodies/population.h"
+#include "fluid/fluids.h"
 #include "joints/joint_store.h"
 #include "lists/neighbour_lists.h"
 #include "manifolds/contacts.h"
@@ -95,6 +96,7 @@ struct StepContext {
   NeighbourLists neighbours{surroundings};
   Contacts contacts{surroundings, desc.wall};
   Sleep sleep{surroundings};
+  Fluids fluids{memory, kernels, pool};
   Dynamics dynamics;
   StepProgress progress;
   std::vector<WorkDone> done_so_far;

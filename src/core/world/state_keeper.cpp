@@ -163,6 +163,7 @@ class StateKeeper {
     values(a, w_.contacts.discs, w_.contacts.solved, w_.contacts.loads, w_.dynamics.solver, w_.dynamics.continuous);
     a.require(w_.contacts.loads.sound());
     w_.joints.describe(a);
+    w_.fluids.describe(a, w_.desc.bounds, w_.desc.boundary);
     w_.observers.events.describe(a, bodies.id_count);
     if (a.loading()) check(a);
   }
@@ -319,6 +320,7 @@ void Owners::go_back_or_lose(std::span<const std::byte> state) {
   population.lose_all();
   sleep.sleepers.list.clear();
   joints.lose_all();
+  fluids.clear();
   observers.events.clear();
   observers.queries.forget(QueryIndex::kMoving, QueryIndex::kSleeping, QueryIndex::kFixed);
   ledger.steps = 0;

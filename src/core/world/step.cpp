@@ -117,6 +117,14 @@ void move(Owners& w, double dt, StepReport& report) {
   }
 }
 
+void move_fluids(Owners& w, double dt, StepReport& report) {
+  if (w.fluids.size() == 0) return;
+  const StageTimer timer(report, w.tracer, Stage::fluid);
+  w.dynamics.moving = true;  // from now on the step cannot be taken back
+  w.fluids.step(dt, w.desc.gravity);
+  if (w.desc.boundary == Boundary::open) w.fluids.keep_within(w.desc.bounds);
+}
+
 void collect_events(Owners& w, StepReport& report) {
   if (!w.plan.events) return;
   const StageTimer timer(report, w.tracer, Stage::publish);
@@ -171,6 +179,7 @@ void advance(Owners& w, double frame_dt, StepReport& report) {
   } else {
     w.ledger.skip_all(w.plan.publish, w.plan.events);
   }
+  move_fluids(w, dt, report);
   ++w.ledger.steps;
   if (awake && w.ledger.surveys()) survey_lanes(w, report.rebuilt);
   w.observers.queries.forget(QueryIndex::kMoving);
@@ -311,6 +320,7 @@ StepReport step(Owners& w, double dt, const StepDetail* given) {
     if (!w.broken) return try_step(w, std::max(dt, kLeastStep), given);
   } catch (const std::bad_alloc&) {
     w.broken = true;
+    w.fluids.clear();  // they may be half sorted
   }
   ran_out_of_memory() = true;
   StepReport report;

@@ -112,7 +112,8 @@ void apply_plan(Owners& w) {
 
 std::vector<PlanEntry> World::plan() const try {
   Owners& w = *impl_;
-  const Traits traits = present_traits(w);
+  Traits traits = present_traits(w);
+  traits.fluids = w.fluids.size() != 0;
   const Plan plan = make_plan(traits);
   std::vector<PlanEntry> entries = explain(plan, traits);
   const auto count = [&entries](std::string_view stage, std::size_t bytes) {
@@ -146,6 +147,7 @@ std::vector<PlanEntry> World::plan() const try {
   count("manifolds", w.contacts.stacks.bytes() + b.hulls.bytes() + b.parts.bytes());
   count("joints", w.joints.bytes() + w.joints.column_bytes());
   count("continuous", w.dynamics.continuous.bytes());
+  count("fluid", w.fluids.bytes());
   count("sleep", w.sleep.sleepers.bytes() + w.sleep.sleepers.column_bytes());
   count("events", w.observers.events.bytes());
   count("publish", w.observers.publisher.bytes());

@@ -20,7 +20,8 @@ struct Typed {
   TypedSettings settings;
   TypedDiff diff;
   TypedPictures pictures;
-  std::string report, state, metrics, trajectory, every, image, trace, budget, governor, governor_log, governor_replay;
+  std::string report, state, fluid_state, metrics, trajectory, every, image, trace, budget, governor, governor_log,
+      governor_replay;
   std::string save, restore, record, replay;
   std::string target_error, target_ms;
   bool profile = false, list_scenes = false, explain = false, verify = false, check = false, benchmark = false,
@@ -55,6 +56,8 @@ void declare(CLI::App& app, Typed& typed) {
 
   value("--report", typed.report, "text|json", "Output", "format of the report (text)");
   value("--state", typed.state, "FILE.csv", "Output", "write the final state, a row for each body");
+  value("--fluid-state", typed.fluid_state, "FILE.csv", "Output",
+        "write the final state of fluids, a row for each particle");
   value("--metrics", typed.metrics, "FILE.csv", "Output", "write times and counts, a row for each frame");
   value("--trajectory", typed.trajectory, "FILE.csv", "Output", "write the state of every K-th frame");
   value("--every", typed.every, "K", "Output", "write a state or picture every K frames (1)");
@@ -94,8 +97,8 @@ Mode choose_mode(const Typed& typed) {
 
 // File names, and the options that have no meaning without a run.
 void check_outputs(const CLI::App& app, Mode mode) {
-  for (const char* name : {"--state", "--metrics", "--trajectory", "--image", "--trace", "--governor-log", "--save",
-                           "--record", "--restore", "--replay"}) {
+  for (const char* name : {"--state", "--fluid-state", "--metrics", "--trajectory", "--image", "--trace",
+                           "--governor-log", "--save", "--record", "--restore", "--replay"}) {
     const CLI::Option* option = app.get_option(name);
     if (option->count() == 0) continue;
     if (option->as<std::string>().empty()) refuse(name, "", "needs a file name");
@@ -110,7 +113,7 @@ void check_outputs(const CLI::App& app, Mode mode) {
        {"--state",        "--metrics",      "--trajectory",      "--image", "--trace",   "--report",
         "--profile",      "--governor-log", "--governor-replay", "--save",  "--restore", "--record",
         "--target-error", "--target-ms",    "--frames-dir",      "--video", "--fps",     "--image-size",
-        "--view",         "--colour"}) {
+        "--view",         "--colour",       "--fluid-state"}) {
     if (app.count(name) > 0) {
       throw UserError(fmt::format("{}: belongs to a run, and nothing is run for a report here", name));
     }
@@ -210,6 +213,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   }
   options.report = typed.report == "json" ? ReportFormat::json : ReportFormat::text;
   options.state = typed.state;
+  options.fluid_state = typed.fluid_state;
   options.metrics = typed.metrics;
   options.trajectory = typed.trajectory;
   options.image = typed.image;

@@ -38,13 +38,14 @@ struct Options {
   ReportFormat report = ReportFormat::text;
   double budget_ms = 16.67;
   bool governor = false;
-  bool profile = false;         ///< stages and threads in the report
-  std::string governor_replay;  ///< the log of a governed run, to run again; empty: none
-  std::string state, metrics, trajectory, image, trace, governor_log;  ///< files; empty = not wanted
-  std::string save, record;     ///< files: the final state to go on from; the run to replay
-  std::string restore, replay;  ///< the state to start in; Mode::replay: the recording
-  std::uint64_t every = 1;      ///< frames between trajectory rows
-  PictureOptions pictures;      ///< of --image and of films
+  bool profile = false;                                 ///< stages and threads in the report
+  std::string governor_replay;                          ///< the log of a governed run, to run again; empty: none
+  std::string state, fluid_state, metrics, trajectory;  ///< files; empty = not wanted
+  std::string image, trace, governor_log;               ///< likewise
+  std::string save, record;                             ///< files: the final state to go on from; the run to replay
+  std::string restore, replay;                          ///< the state to start in; Mode::replay: the recording
+  std::uint64_t every = 1;                              ///< frames between trajectory rows
+  PictureOptions pictures;                              ///< of --image and of films
 
   std::vector<std::string> files;  ///< Mode::diff: the two to compare, or none
   std::vector<Options> sides;      ///< Mode::diff: the two settings to compare, or none

@@ -29,6 +29,18 @@ void write_state(AtomicFile& file, const PublishedState& state) {
   for (std::size_t row = 0; row < state.id.size(); ++row) write_body(file, state, row);
 }
 
+void write_particles(AtomicFile& file, const std::vector<FluidParticleState>& particles) {
+  file.write(kParticleHeader);
+  file.write("\n");
+  for (const FluidParticleState& p : particles) {
+    file.write_number(p.id);
+    for (const double value : {p.position.x, p.position.y, p.velocity.x, p.velocity.y, p.density, p.pressure}) {
+      write_field(file, value);
+    }
+    file.write("\n");
+  }
+}
+
 void write_metrics_header(AtomicFile& file) {
   file.write("frame,total_ms");
   for (const Phase& phase : kPhases) {

@@ -1,9 +1,10 @@
-// The CSV files: state, metrics, trajectory. Numbers in the shortest form that reads back to the
+// The CSV files: state, of bodies and of fluids, metrics, trajectory. Numbers in the shortest form that reads back to the
 // same bits; rows by id. About 0.4 us a body row.
 #pragma once
 
 #include <cstdint>
 #include <string_view>
+#include <vector>
 
 #include "output/atomic_file.h"
 #include "psim/report.h"
@@ -12,10 +13,14 @@
 namespace psim::cli {
 
 inline constexpr std::string_view kStateHeader = "id,x,y,angle,vx,vy,omega";
+inline constexpr std::string_view kParticleHeader = "id,x,y,vx,vy,density,pressure";
 inline constexpr std::string_view kTrajectoryHeader = "frame,id,x,y,angle,vx,vy,omega";
 
 /// kStateHeader and a row a body.
 void write_state(AtomicFile& file, const PublishedState& state);
+
+/// kParticleHeader and a row a particle of a fluid.
+void write_particles(AtomicFile& file, const std::vector<FluidParticleState>& particles);
 
 /// The columns are in docs/performance.md.
 void write_metrics_header(AtomicFile& file);

@@ -26,7 +26,8 @@ inline constexpr std::array<Phase, kPhaseCount> kPhases = {{
 /// Milliseconds a phase, in the order of kPhases.
 inline std::array<double, kPhaseCount> phase_ms(const StepReport& report) {
   const auto stage = [&report](Stage s) { return report.stage_ms[static_cast<std::size_t>(s)]; };
-  return {stage(Stage::broad_phase), stage(Stage::narrow_phase), stage(Stage::colouring) + stage(Stage::solver),
+  return {stage(Stage::broad_phase), stage(Stage::narrow_phase),
+          stage(Stage::colouring) + stage(Stage::solver) + stage(Stage::fluid),
           stage(Stage::forces) + stage(Stage::integrate) + stage(Stage::sleep), stage(Stage::publish)};
 }
 

@@ -70,6 +70,22 @@ Json profile_json(const Profile& profile) {
   return json;
 }
 
+Json fluid_json(const FluidReport& fluid) {
+  return {{"particles", fluid.particles},
+          {"kinetic", fluid.kinetic},
+          {"density_error_mean", fluid.density_error_mean},
+          {"density_error_max", fluid.density_error_max},
+          {"iterations", fluid.iterations}};
+}
+
+Json governor_json(const RunReport& report) {
+  return {{"frames_cut", report.frames_cut},
+          {"frames_waited", report.frames_waited},
+          {"substeps_saved", report.substeps_saved},
+          {"frames_few_sweeps", report.frames_few_sweeps},
+          {"frames_lost", report.frames_lost}};
+}
+
 }  // namespace
 
 std::string report_json(const RunReport& report) {
@@ -113,6 +129,7 @@ std::string report_json(const RunReport& report) {
                     {"kinetic", report.end.kinetic},
                     {"potential", report.end.potential}};
   json["momentum"] = {{"x", report.end.momentum_x}, {"y", report.end.momentum_y}};
+  if (report.fluid) json["fluid"] = fluid_json(*report.fluid);
   json["max_penetration"] = report.end.max_penetration;
   json["virial"] = report.virial;
   json["escaped"] = report.escaped;
@@ -122,13 +139,7 @@ std::string report_json(const RunReport& report) {
   }
   json["ledger"] = ledger_json(report);
   if (report.profile) json["profile"] = profile_json(*report.profile);
-  if (report.governed) {
-    json["governor"] = {{"frames_cut", report.frames_cut},
-                        {"frames_waited", report.frames_waited},
-                        {"substeps_saved", report.substeps_saved},
-                        {"frames_few_sweeps", report.frames_few_sweeps},
-                        {"frames_lost", report.frames_lost}};
-  }
+  if (report.governed) json["governor"] = governor_json(report);
   json["memory_bytes"] = report.memory_bytes;
   json["state_hash"] = hash_text(report.state_hash);
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -69,6 +69,13 @@ std::string report_text(const RunReport& report) {
   fmt::format_to(out, "Energy {:.6g} -> {:.6g} J  momentum ({:.4g}, {:.4g})  max penetration {:.3g} m\n",
                  report.start.kinetic + report.start.potential, report.end.kinetic + report.end.potential,
                  report.end.momentum_x, report.end.momentum_y, report.end.max_penetration);
+  if (report.fluid) {
+    fmt::format_to(out,
+                   "Fluid: {} particles  kinetic {:.6g} J  density error mean {:.3g} % max {:.3g} %  {} iterations in "
+                   "the last step\n",
+                   grouped(report.fluid->particles), report.fluid->kinetic, 100 * report.fluid->density_error_mean,
+                   100 * report.fluid->density_error_max, report.fluid->iterations);
+  }
   if (report.target) text += target_text(*report.target);
   if (report.profile) text += profile_text(*report.profile);
   fmt::format_to(out, "Skipped: {}\n", skipped_text(report));

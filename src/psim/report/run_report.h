@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "options/target.h"
+#include "psim/fluid.h"
 #include "psim/isa.h"
 #include "psim/report.h"
 #include "report/phases.h"
@@ -57,7 +58,8 @@ struct RunReport {
   LaneCounts lanes;
 
   Diagnostics start, end;
-  double virial = 0;  ///< N s m, over all frames
+  std::optional<FluidReport> fluid;  ///< at the end; nothing: the scene has no fluids
+  double virial = 0;                 ///< N s m, over all frames
   std::uint64_t escaped = 0;
   std::uint64_t quarantined = 0, first_quarantine_frame = 0;
 

@@ -44,6 +44,7 @@ OutputFiles::OutputFiles(const Options& options) {
     file.emplace(option, path);
   };
   open(state, "--state", options.state);
+  open(fluid_state, "--fluid-state", options.fluid_state);
   open(metrics, "--metrics", options.metrics);
   open(trajectory, "--trajectory", options.trajectory);
   open(image, "--image", options.image);

@@ -13,7 +13,7 @@ struct OutputFiles {
   /// two of them, or one and the scene file, are the same. Nothing is left behind then.
   explicit OutputFiles(const Options& options);
 
-  std::optional<AtomicFile> state, metrics, trajectory, image, video, trace, governor_log, save, record;
+  std::optional<AtomicFile> state, fluid_state, metrics, trajectory, image, video, trace, governor_log, save, record;
 };
 
 }  // namespace psim::cli

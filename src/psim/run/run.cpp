@@ -46,6 +46,7 @@ RunReport begin_report(const Options& options, const Scene& scene, const World& 
   report.frame_ms.reserve(report.frames_wanted);
   for (Samples& phase : report.phase_ms) phase.reserve(report.frames_wanted);
   report.start = world.diagnostics();
+  if (!scene.fluids.empty()) report.fluid = world.fluid_report();
   return report;
 }
 
@@ -96,6 +97,7 @@ void end_report(RunReport& report, const World& world) {
   report.lanes = world.lane_counts();
   if (report.profile) report.profile->lanes = world.lane_use();
   report.end = world.diagnostics();
+  if (report.fluid) report.fluid = world.fluid_report();
   report.escaped = world.escaped_total();
   report.skipped = world.skipped();
   report.memory_bytes = world.memory_bytes();
@@ -167,13 +169,19 @@ void write_files(OutputFiles& files, const Scene& scene, const PictureOptions& p
   }
   if (files.record) files.record->write(text_of(recorder->recording()));
   if (files.state) write_state(*files.state, world.published());
+  if (files.fluid_state) {
+    std::vector<FluidParticleState> particles;
+    world.fluid_particles(particles);
+    write_particles(*files.fluid_state, particles);
+  }
   if (files.image) {
     Moment moment;
     take_moment(world, moment, pictures.colouring);
     write_image(*files.image, scene, moment, pictures, world.threads());
   }
-  for (std::optional<AtomicFile>* file : {&files.state, &files.metrics, &files.trajectory, &files.image, &files.trace,
-                                          &files.governor_log, &files.save, &files.record}) {
+  for (std::optional<AtomicFile>* file :
+       {&files.state, &files.fluid_state, &files.metrics, &files.trajectory, &files.image, &files.trace,
+        &files.governor_log, &files.save, &files.record}) {
     if (*file) (*file)->commit();
   }
   if (film != nullptr) film->finish();

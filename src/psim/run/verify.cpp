@@ -75,12 +75,14 @@ std::string describe(const Scene& scene, const Variant& reference, const Variant
   const auto world_b = world_after(scene, variant, frame);
   StateComparison states;
   states.add(frame, view_of(world_a->published()), view_of(world_b->published()));
+  const bool fluids = !states.first() && world_a->state_hash() != world_b->state_hash();
   const std::string bodies = states.first()
                                  ? fmt::format("{}, first {}", states.differing_bodies(),
                                                difference_text(*states.first(), reference.name(), variant.name()))
-                                 : "0, so the difference did not come back when both ran again";
+                             : fluids ? "0: particles of fluids differ"
+                                      : "0, so the difference did not come back when both ran again";
   return fmt::format("DIFFERS from {} in frame {}, stage {}\n  {}\n  bodies that differ: {}\n", reference.name(), frame,
-                     first_stage(a, b, states.motion_differs_at_first()), trails_text(a, b), bodies);
+                     fluids ? "fluid" : first_stage(a, b, states.motion_differs_at_first()), trails_text(a, b), bodies);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "base/elementary.h"
 #include "base/sort_keys.h"
 #include "check/survey.h"
+#include "place/fluid_places.h"
 
 namespace psim {
 namespace {
@@ -19,6 +20,7 @@ constexpr double kPackedPairs = 3;       // a body: what estimate_memory_bytes()
 constexpr double kPairBytes = 170;       // of discs: two tables, a contact, room to grow
 constexpr double kShapePairBytes = 650;  // if one of the two is no disc
 constexpr double kJointBytes = 700;
+constexpr std::uint64_t kParticleBytes = 400;  // of a fluid, with its share of the grid
 constexpr double kAlike = 0.6,
                  kLarger = 0.7;  // share of a cell's bodies that are near, of the same and of a larger size
 
@@ -77,6 +79,7 @@ SceneForecast forecast(const Scene& scene) {
   sum.bytes =
       estimate_memory_bytes(sum.bodies) + static_cast<std::uint64_t>(kPairBytes * greater(discs + shapes - packed, 0) +
                                                                      kShapePairBytes * shapes + kJointBytes * joints);
+  for (const SceneFluid& fluid : scene.fluids) sum.bytes += kParticleBytes * count_particles(fluid);
   return sum;
 }
 

@@ -18,8 +18,8 @@
 namespace psim {
 namespace {
 
-constexpr std::array<std::string_view, 10> kSceneKeys = {"psim",      "name",   "description", "world",  "step",
-                                                         "materials", "bodies", "groups",      "joints", "fields"};
+constexpr std::array<std::string_view, 11> kSceneKeys = {
+    "psim", "name", "description", "world", "step", "materials", "bodies", "groups", "joints", "fields", "fluids"};
 constexpr std::uint64_t kFormat = 1;
 
 Scene read_scene(const scene::Json& document) {
@@ -44,6 +44,7 @@ Scene read_scene(const scene::Json& document) {
   scene::read_bodies(root, context, out);
   scene::read_groups(root, context, out);
   scene::read_joints(root, context, out);
+  scene::read_fluids(root, context, out);
   return out;
 }
 

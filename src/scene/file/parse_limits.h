@@ -20,6 +20,7 @@ inline constexpr std::int64_t kLargestGroup = 0x7FFFFFFF;
 /// Of psim::Mixing, in its order.
 inline constexpr std::array<std::string_view, 5> kMixingNames = {"max", "min", "mean", "product", "geometric"};
 inline constexpr std::size_t kMostParts = 1'000'000;
+inline constexpr std::size_t kMostFluids = 1000, kMostFluidVertices = 1000;
 inline constexpr std::size_t kMostChainVertices = 10'000'000;
 
 }  // namespace psim::scene

@@ -1,5 +1,5 @@
 // The parts of a scene file, each read by a file of its own: parse_world.cpp, parse_shape.cpp,
-// parse_body.cpp, parse_group.cpp, parse_joint.cpp. All throw SceneError.
+// parse_body.cpp, parse_group.cpp, parse_fluid.cpp, parse_joint.cpp. All throw SceneError.
 #pragma once
 
 #include <array>
@@ -31,6 +31,8 @@ void read_step(const Node& scene, Scene& out);
 void read_fields(const Node& scene, WorldDesc& world);
 void read_bodies(const Node& scene, Context& context, Scene& out);
 void read_groups(const Node& scene, Context& context, Scene& out);
+/// After the world.
+void read_fluids(const Node& scene, const Context& context, Scene& out);
 /// After bodies and groups.
 void read_joints(const Node& scene, const Context& context, Scene& out);
 

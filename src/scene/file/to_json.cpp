@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
+#include "file/json_text.h"
 #include "file/parse_limits.h"
 #include "file/parse_node.h"
 #include "place/placement.h"
@@ -17,6 +17,12 @@
 #include "psim/scene.h"
 
 namespace psim {
+
+using scene::array_lines;
+using scene::list_of;
+using scene::Object;
+using scene::text_of;
+
 namespace {
 
 constexpr std::string_view kTypeNames[] = {"dynamic", "static", "kinematic"};
@@ -29,81 +35,6 @@ constexpr std::string_view kLayoutNames[] = {"lattice", "hex", "random", "explic
 template <class Enum>
 std::string_view name_of(Enum value, const std::string_view* names) {
   return names[static_cast<std::size_t>(value)];
-}
-
-std::string text_of(double value) {
-  const std::string text = exact_text(value);
-  return text == "-0" ? "-0.0" : text;  // "-0" reads as the integer 0
-}
-
-std::string text_of(std::string_view words) {
-  return nlohmann::json(words).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-}
-
-std::string text_of(Vec2 v) { return '[' + text_of(v.x) + ", " + text_of(v.y) + ']'; }
-
-std::string text_of(const Bounds& b) {
-  return '[' + text_of(b.xmin) + ", " + text_of(b.ymin) + ", " + text_of(b.xmax) + ", " + text_of(b.ymax) + ']';
-}
-
-std::string text_of(bool value) { return value ? "true" : "false"; }
-
-template <class T>
-std::string list_of(const std::vector<T>& values) {
-  std::string text = "[";
-  for (std::size_t k = 0; k < values.size(); ++k) {
-    if (k > 0) text += ", ";
-    text += text_of(values[k]);
-  }
-  return text + ']';
-}
-
-// Members of one object, in the order of the calls.
-class Object {
- public:
-  Object& raw(std::string_view key, std::string_view text) {
-    members_.push_back(text_of(key) + ": " + std::string(text));
-    return *this;
-  }
-  template <class T>
-  Object& add(std::string_view key, const T& value) {
-    return raw(key, text_of(value));
-  }
-  Object& add_unless(std::string_view key, double value, double absent) {
-    return value == absent ? *this : add(key, value);
-  }
-  Object& add_unless(std::string_view key, Vec2 value, Vec2 absent) {
-    return value.x == absent.x && value.y == absent.y ? *this : add(key, value);
-  }
-  Object& add_if(std::string_view key, bool value) { return value ? add(key, true) : *this; }
-
-  std::string one_line() const { return members_.empty() ? "{}" : "{ " + joined(", ") + " }"; }
-  std::string lines(std::size_t indent) const {
-    const std::string margin = '\n' + std::string(indent, ' ');
-    return members_.empty() ? "{}" : '{' + margin + "  " + joined("," + margin + "  ") + margin + '}';
-  }
-
- private:
-  std::string joined(const std::string& between) const {
-    std::string text;
-    for (const std::string& member : members_) {
-      if (!text.empty()) text += between;
-      text += member;
-    }
-    return text;
-  }
-
-  std::vector<std::string> members_;
-};
-
-// One element a line.
-std::string array_lines(const std::vector<std::string>& elements, std::size_t indent) {
-  const std::string margin = '\n' + std::string(indent, ' ');
-  std::string text = "[";
-  for (std::size_t k = 0; k < elements.size(); ++k) {
-    text += (k > 0 ? "," : "") + margin + "  " + elements[k];
-  }
-  return text + margin + ']';
 }
 
 std::string material_text(const Material& m) {
@@ -412,7 +343,7 @@ std::string step_text(const Scene& scene) {
 }  // namespace
 
 std::string scene_to_json(const Scene& scene) {
-  std::vector<std::string> fields, bodies, groups, joints;
+  std::vector<std::string> fields, bodies, groups, joints, fluids;
   for (const Field& field : scene.world.fields) fields.push_back(std::visit(FieldText{}, field));
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     const bool named = k < scene.body_names.size();
@@ -423,6 +354,7 @@ std::string scene_to_json(const Scene& scene) {
   }
 
   for (const SceneJoint& joint : scene.joints) joints.push_back(joint_text(joint));
+  for (const SceneFluid& fluid : scene.fluids) fluids.push_back(scene::fluid_text(fluid));
 
   Object out;
   out.raw("psim", "1");
@@ -435,6 +367,7 @@ std::string scene_to_json(const Scene& scene) {
   if (!bodies.empty()) out.raw("bodies", array_lines(bodies, 2));
   if (!groups.empty()) out.raw("groups", array_lines(groups, 2));
   if (!joints.empty()) out.raw("joints", array_lines(joints, 2));
+  if (!fluids.empty()) out.raw("fluids", array_lines(fluids, 2));
   return out.lines(0) + '\n';
 }
 

@@ -1,4 +1,5 @@
-// Scene -> World: `bodies` in order, then `groups`, so that ids are as the scene says; then joints.
+// Scene -> World: `bodies` in order, then `groups`, so that ids are as the scene says; then joints and
+// fluids.
 // O(n).
 #include <cstddef>
 #include <cstdint>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include "base/machine.h"
+#include "place/fluid_places.h"
 #include "place/links.h"
 #include "place/placement.h"
 #include "place/shape_size.h"
@@ -140,6 +142,18 @@ bool add_joints(World& world, const Scene& scene, std::string& error) {
   return true;
 }
 
+bool add_fluid(World& world, const Scene& scene, std::size_t k, std::string& error) {
+  std::string what;
+  PlacedParticles placed;
+  const FluidId fluid = world.add_fluid(scene.fluids[k].fluid, what);
+  if (fluid != kNoFluid && place_particles(scene.fluids[k], placed, what) &&
+      world.add_particles(fluid, placed.positions, placed.velocities, what)) {
+    return true;
+  }
+  error = "fluids[" + std::to_string(k) + "]: " + what;
+  return false;
+}
+
 }  // namespace
 
 std::unique_ptr<World> build_world(const Scene& scene, const RunOptions& options, std::string& error) {
@@ -153,6 +167,9 @@ std::unique_ptr<World> build_world(const Scene& scene, const RunOptions& options
     if (!add_group(*world, scene, k, error)) return nullptr;
   }
   if (!add_joints(*world, scene, error)) return nullptr;
+  for (std::size_t k = 0; k < scene.fluids.size(); ++k) {
+    if (!add_fluid(*world, scene, k, error)) return nullptr;
+  }
   return world;
 }
 

@@ -1,0 +1,35 @@
+#include <variant>
+
+#include "file/json_text.h"
+
+namespace psim::scene {
+namespace {
+
+struct AddPlace {
+  Object& out;
+
+  void operator()(const Bounds& region) const { out.add("region", region); }
+  void operator()(const FluidDisc& disc) const {
+    out.raw("disc", Object().add("position", disc.position).add("radius", disc.radius).one_line());
+  }
+  void operator()(const FluidPolygon& polygon) const {
+    out.raw("polygon", Object().raw("vertices", list_of(polygon.vertices)).one_line());
+  }
+  void operator()(const FluidList& list) const {
+    out.add("layout", std::string_view("explicit")).raw("x", list_of(list.x)).raw("y", list_of(list.y));
+    if (!list.vx.empty()) out.raw("vx", list_of(list.vx));
+    if (!list.vy.empty()) out.raw("vy", list_of(list.vy));
+  }
+};
+
+}  // namespace
+
+std::string fluid_text(const SceneFluid& fluid) {
+  Object out;
+  std::visit(AddPlace{out}, fluid.place);
+  out.add("spacing", fluid.fluid.spacing).add("density", fluid.fluid.density);
+  out.add_unless("viscosity", fluid.fluid.viscosity, 0).add_unless("velocity", fluid.velocity, {});
+  return out.one_line();
+}
+
+}  // namespace psim::scene

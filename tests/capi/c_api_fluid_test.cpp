@@ -1,0 +1,59 @@
+// Fluids through the C API.
+#include "c_api_support.h"
+
+namespace psim::test {
+namespace {
+
+TEST(CApiFluid, ParticlesAreAddedSteppedAndTold) {
+  CWorld c;
+  psim_fluid_desc desc;
+  psim_fluid_desc_init(&desc);
+  EXPECT_EQ(desc.density, 1000);
+  EXPECT_EQ(desc.viscosity, 0);
+  EXPECT_EQ(psim_world_add_fluid(c.world, &desc, nullptr), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(c.last(), "psim_world_add_fluid: a fluid's spacing must be from 0.001 to 1000, not 0");
+  desc.spacing = 0.5;
+  std::uint32_t fluid = 7;
+  ASSERT_EQ(psim_world_add_fluid(c.world, &desc, &fluid), PSIM_OK) << c.last();
+  EXPECT_EQ(fluid, 0u);
+  const psim_vec2 places[] = {{0, 0}, {0.5, 0}, {0, 0.5}}, speeds[] = {{1, 0}, {1, 0}, {1, 0}};
+  ASSERT_EQ(psim_world_add_particles(c.world, fluid, places, speeds, 3), PSIM_OK) << c.last();
+  ASSERT_EQ(psim_world_add_particles(c.world, fluid, places, nullptr, 1), PSIM_OK) << c.last();
+  const psim_fluid_particle* particles = nullptr;
+  std::size_t count = 0;
+  ASSERT_EQ(psim_world_fluid_particles(c.world, &particles, &count), PSIM_OK);
+  ASSERT_EQ(count, 4u);
+  EXPECT_EQ(particles[2].id, 2u);
+  EXPECT_EQ(particles[2].velocity.x, 1);
+  EXPECT_EQ(particles[3].velocity.x, 0);
+  psim_fluid_report report;
+  psim_fluid_report_init(&report);
+  ASSERT_EQ(psim_world_step(c.world, nullptr), PSIM_OK);
+  ASSERT_EQ(psim_world_fluid_report(c.world, &report), PSIM_OK);
+  EXPECT_EQ(report.particles, 4u);
+  EXPECT_GT(report.kinetic, 0);
+}
+
+TEST(CApiFluid, WhatIsWrongIsRefused) {
+  CWorld c;
+  psim_fluid_desc desc;
+  psim_fluid_desc_init(&desc);
+  desc.spacing = 0.5;
+  const psim_vec2 place = {0, 0};
+  EXPECT_EQ(psim_world_add_particles(c.world, 0, &place, nullptr, 1), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(c.last(), "psim_world_add_particles: there is no such fluid");
+  ASSERT_EQ(psim_world_add_fluid(c.world, &desc, nullptr), PSIM_OK);
+  EXPECT_EQ(psim_world_add_particles(c.world, 0, nullptr, nullptr, 1), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(psim_world_add_particles(c.world, 0, &place, nullptr, 10'000'001), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(psim_world_add_particles(c.world, 0, nullptr, nullptr, 0), PSIM_OK);
+  const psim_vec2 nowhere = {kNaN, 0};
+  EXPECT_EQ(psim_world_add_particles(c.world, 0, &nowhere, nullptr, 1), PSIM_ERROR_ARGUMENT);
+  std::size_t count = 0;
+  EXPECT_EQ(psim_world_fluid_particles(c.world, nullptr, &count), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(psim_world_fluid_report(c.world, nullptr), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(psim_world_add_fluid(nullptr, &desc, nullptr), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(psim_world_add_fluid(c.world, nullptr, nullptr), PSIM_ERROR_ARGUMENT);
+}
+
+}  // namespace
+}  // namespace psim::test
