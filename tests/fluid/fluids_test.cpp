@@ -32,7 +32,7 @@ struct Basin {
     }
   }
   void run(int frames, double gravity = -9.81) {
-    for (int k = 0; k < frames; ++k) fluids.step(kFrame, {0, gravity});
+    for (int k = 0; k < frames; ++k) fluids.step(kFrame, {0, gravity}, nullptr);
   }
   // By id.
   std::vector<Fluids::Seen> look() {

@@ -15,6 +15,8 @@ using S = FluidSolver;
 namespace {
 
 constexpr float kLeastSeen = 0.02f;  // a cell whose kernel sees less that is open is none
+constexpr float kMostlySolid = 0.4f;  // a cell whose kernel sees less that bodies leave open is as full as its neighbours
+constexpr float kLeastOpen = 0.01f;   // a face of which bodies leave less is closed
 constexpr float kSolidSeen = 0.3f;   // and one that sees less than this is no surface for its neighbours
 constexpr float kSoft = 0.05f;       // at a surface cells may be overfull by so much
 constexpr float kMostUneven = 0.5f;  // errors of the density are mended in steps of this
@@ -92,17 +94,25 @@ struct Axis {
 
 class Setup {
  public:
-  Setup(FluidGrid& grid, std::size_t tile, const FluidSpace& space)
+  Setup(FluidGrid& grid, std::size_t tile, const FluidSpace& space, bool bodies)
       : grid_(grid),
         t_(tile),
         tile_(grid.tiles[tile]),
         x_(Open{space.wide}, kTile * tile_.x),
         y_(Open{space.high}, kTile * tile_.y),
         wide_(static_cast<float>(space.cell_x)),
-        high_(static_cast<float>(space.cell_y)) {}
+        high_(static_cast<float>(space.cell_y)),
+        bodies_(bodies) {}
+
+  void find_shares() {
+    look();
+    look_into_bodies();
+    std::copy_n(share_, kTileFloats, field(S::kShare));
+  }
 
   FluidSurvey run() {
     look();
+    if (bodies_) take_shares();
     find_links();
     FluidSurvey survey;
     for (std::int32_t j = 0; j < tile_.high; ++j) {
@@ -133,16 +143,63 @@ class Setup {
                              S::kSlopeX, S::kSlopeY, S::kValidU, S::kValidV}) {
       std::fill_n(field(f), kTileFloats, 0.0f);
     }
-    const float* volume = field(S::kVolume);
+    if (bodies_) {
+      for (const S::Field f : {S::kOpenU, S::kOpenV, S::kSeen}) grid_.pull_ring(f, t_);
+    }
+    const float *volume = field(S::kVolume), *left = field(S::kSeen);
     for (std::int32_t j = -1; j <= tile_.high + 1; ++j) {
       for (std::int32_t i = -1; i <= tile_.wide + 1; ++i) {
         const std::size_t n = tile_node(i, j);
-        seen_[n] = x_.seen[at(i)] * y_.seen[at(j)];
+        seen_[n] = x_.seen[at(i)] * y_.seen[at(j)] * (bodies_ ? left[n] : 1.0f);
         const bool cell = seen_[n] > kLeastSeen && x_.cell[at(i)] * y_.cell[at(j)] > 0;
         share_[n] = cell ? volume[n] / seen_[n] : 0;
         full_[n] = cell && share_[n] > kFullCell;
       }
     }
+  }
+
+  // Of a cell that lies for the most part within bodies too little is seen to say how full it is: its neighbours say it.
+  void look_into_bodies() {
+    const float *left = field(S::kSeen), *open_u = field(S::kOpenU), *open_v = field(S::kOpenV);
+    std::copy_n(share_, kTileFloats, own_);
+    for (std::int32_t j = 0; j < tile_.high; ++j) {
+      for (std::int32_t i = 0; i < tile_.wide; ++i) {
+        const std::size_t n = tile_node(i, j);
+        if (left[n] >= kMostlySolid) continue;
+        float sum = 0, weights = 0;
+        const auto add = [&](std::size_t m, float open) {
+          if (left[m] < kMostlySolid || !(seen_[m] > kLeastSeen) || open < kLeastOpen) return;
+          sum += open * own_[m];
+          weights += open;
+        };
+        add(n - 1, open_u[n]);
+        add(n + 1, open_u[n + 1]);
+        add(n - kTilePitch, open_v[n]);
+        add(n + kTilePitch, open_v[n + kTilePitch]);
+        if (weights > 0) share_[n] = sum / weights;
+      }
+    }
+  }
+  void take_shares() {
+    grid_.pull_ring(S::kShare, t_);
+    const float *share = field(S::kShare), *left = field(S::kSeen);
+    for (std::int32_t j = -1; j <= tile_.high + 1; ++j) {
+      for (std::int32_t i = -1; i <= tile_.wide + 1; ++i) {
+        const std::size_t n = tile_node(i, j);
+        deep_[n] = left[n] < kMostlySolid;
+        share_[n] = share[n];
+        const bool cell = seen_[n] > kLeastSeen && x_.cell[at(i)] * y_.cell[at(j)] > 0;
+        full_[n] = cell && share_[n] > kFullCell;
+      }
+    }
+  }
+
+  // The share of a face that bodies leave open.
+  float open_u(std::size_t n) { return bodies_ ? opened(field(S::kOpenU)[n], n, n - 1) : 1.0f; }
+  float open_v(std::size_t n) { return bodies_ ? opened(field(S::kOpenV)[n], n, n - kTilePitch) : 1.0f; }
+  float opened(float share, std::size_t n, std::size_t m) {
+    const float* left = field(S::kSeen);
+    return share < kLeastOpen || left[n] < kLeastSeen || left[m] < kLeastSeen ? 0.0f : share;
   }
 
   // Returns 1 / the way from the middle of the full one of two neighbouring cells to where pressure is zero, in cells. A
@@ -160,15 +217,16 @@ class Setup {
     for (std::int32_t j = 0; j <= tile_.high; ++j) {
       for (std::int32_t i = 0; i <= tile_.wide; ++i) {
         const std::size_t n = tile_node(i, j), left = n - 1, below = n - kTilePitch;
-        if (full_[n] || full_[left]) {
+        const float open_x = open_u(n), open_y = open_v(n);
+        if ((full_[n] || full_[left]) && open_x > 0) {
           field(S::kValidU)[n] = 1;
           field(S::kSlopeX)[n] = x_.face[at(i)] * slope(n, left);
-          if (full_[n] && full_[left]) field(S::kLinkX)[n] = x_.face[at(i)] * by_x * y_.cell[at(j)];
+          if (full_[n] && full_[left]) field(S::kLinkX)[n] = x_.face[at(i)] * open_x * by_x * y_.cell[at(j)];
         }
-        if (full_[n] || full_[below]) {
+        if ((full_[n] || full_[below]) && open_y > 0) {
           field(S::kValidV)[n] = 1;
           field(S::kSlopeY)[n] = y_.face[at(j)] * slope(n, below);
-          if (full_[n] && full_[below]) field(S::kLinkY)[n] = y_.face[at(j)] * by_y * x_.cell[at(i)];
+          if (full_[n] && full_[below]) field(S::kLinkY)[n] = y_.face[at(j)] * open_y * by_y * x_.cell[at(i)];
         }
       }
     }
@@ -188,26 +246,30 @@ class Setup {
   void make(std::int32_t i, std::int32_t j, FluidSurvey& survey) {
     const std::size_t n = tile_node(i, j), right_of = n + 1, above = n + kTilePitch;
     const float *sx = field(S::kSlopeX), *sy = field(S::kSlopeY), *u = field(S::kU), *v = field(S::kV);
-    const float open_x = y_.cell[at(j)], open_y = x_.cell[at(i)];  // of its left and right faces, and of the other two
-    const float diagonal =
-        high_ / wide_ * open_x * (sx[n] + sx[right_of]) + wide_ / high_ * open_y * (sy[n] + sy[above]);
+    // What is open of its left, right, lower and upper face.
+    const float left = y_.cell[at(j)] * open_u(n), right_open = y_.cell[at(j)] * open_u(right_of);
+    const float lower = x_.cell[at(i)] * open_v(n), upper = x_.cell[at(i)] * open_v(above);
+    const float diagonal = high_ / wide_ * (left * sx[n] + right_open * sx[right_of]) +
+                           wide_ / high_ * (lower * sy[n] + upper * sy[above]);
     if (!(diagonal > 0)) return;
     field(S::kDiagonal)[n] = diagonal;
     field(S::kReciprocal)[n] = 1 / diagonal;
     const auto flow = [](const float* slope, const float* speed, std::size_t m) {
       return slope[m] > 0 ? speed[m] : 0.0f;
     };
-    const float right = -(high_ * open_x * (flow(sx, u, right_of) - flow(sx, u, n)) +
-                          wide_ * open_y * (flow(sy, v, above) - flow(sy, v, n)));
-    float error = share_[n] - 1;
+    const float right = -(high_ * (right_open * flow(sx, u, right_of) - left * flow(sx, u, n)) +
+                          wide_ * (upper * flow(sy, v, above) - lower * flow(sy, v, n)));
+    float error = field(S::kVolume)[n] / seen_[n] - 1;
     if (field(S::kEdge)[n] != 0) error = std::max(error - kSoft, 0.0f);  // only what is too dense counts at a surface
     const float uneven = std::clamp(error, -kMostUneven, kMostUneven) * seen_[n] * wide_ * high_;
     field(S::kRight)[n] = right;
     field(S::kError)[n] = error;
     field(S::kUneven)[n] = uneven;
-    survey.error += static_cast<double>(std::fabs(error));
-    survey.worst = std::max(survey.worst, std::fabs(error));
-    ++survey.cells;
+    if (!deep_[n]) {
+      survey.error += static_cast<double>(std::fabs(error));
+      survey.worst = std::max(survey.worst, std::fabs(error));
+      ++survey.cells;
+    }
     survey.largest = std::max(survey.largest, std::fabs(right));
     survey.largest_even = std::max(survey.largest_even, std::fabs(uneven));
   }
@@ -217,14 +279,19 @@ class Setup {
   const FluidTile& tile_;
   Axis x_, y_;
   float wide_, high_;  // of a cell, m
-  float share_[kTileFloats], seen_[kTileFloats];
-  bool full_[kTileFloats];
+  bool bodies_;
+  float share_[kTileFloats] = {}, seen_[kTileFloats] = {}, own_[kTileFloats];
+  bool full_[kTileFloats], deep_[kTileFloats] = {};
 };
 
 }  // namespace
 
-FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
-  return Setup(grid, tile, space).run();
+void find_shares(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
+  Setup(grid, tile, space, true).find_shares();
+}
+
+FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& space, bool bodies) {
+  return Setup(grid, tile, space, bodies).run();
 }
 
 void fill_walls(FluidGrid& grid, std::size_t t, const FluidSpace& space) {
@@ -306,6 +373,44 @@ void extend_faces(FluidGrid& grid, std::size_t tile, bool viscous) {
   };
   run(S::kValidU, S::kNewU, S::kGainU, S::kShiftU, S::kDragU);
   run(S::kValidV, S::kNewV, S::kGainV, S::kShiftV, S::kDragV);
+}
+
+// The velocities are kept in kWay and kChange, which the solver has done with.
+void find_slip(FluidGrid& grid, std::size_t tile) {
+  for (const S::Field f : {S::kNewU, S::kNewV, S::kSeen, S::kSolidU, S::kSolidV}) grid.pull_ring(f, tile);
+  const float *u = grid.field(S::kNewU, tile), *v = grid.field(S::kNewV, tile), *seen = grid.field(S::kSeen, tile);
+  const float *body_u = grid.field(S::kSolidU, tile), *body_v = grid.field(S::kSolidV, tile);
+  const FluidTile& of = grid.tiles[tile];
+  // Along an axis: `one` leads to the next node, `other` to the next across.
+  const auto run = [&](S::Field valid_field, S::Field open_field, const float* along, const float* across,
+                       const float* body, const float* body_across, std::size_t one, std::size_t other, S::Field to) {
+    const float *valid = grid.field(valid_field, tile), *open = grid.field(open_field, tile);
+    float* found = grid.field(to, tile);
+    for (std::int32_t j = 0; j < of.high; ++j) {
+      for (std::int32_t i = 0; i < of.wide; ++i) {
+        const std::size_t n = tile_node(i, j);
+        found[n] = along[n];
+        if (valid[n] != 0 || open[n] > 0.5f) continue;
+        const float gx = seen[n] - seen[n - one];
+        const float gy = ((seen[n + other] + seen[n - one + other]) - (seen[n - other] + seen[n - one - other])) / 4;
+        const float steep = gx * gx + gy * gy;
+        if (!(steep > 1e-4f)) continue;
+        const auto mean = [&](const float* a) { return ((a[n] + a[n - one]) + (a[n + other] + a[n - one + other])) / 4; };
+        found[n] -= gx * (gx * (along[n] - body[n]) + gy * (mean(across) - mean(body_across))) / steep;
+      }
+    }
+  };
+  run(S::kValidU, S::kOpenU, u, v, body_u, body_v, 1, kTilePitch, S::kWay);
+  run(S::kValidV, S::kOpenV, v, u, body_v, body_u, kTilePitch, 1, S::kChange);
+}
+
+void set_slip(FluidGrid& grid, std::size_t tile) {
+  const FluidTile& of = grid.tiles[tile];
+  for (const auto& [from, to] : {std::pair{S::kWay, S::kNewU}, std::pair{S::kChange, S::kNewV}}) {
+    const float* found = grid.field(from, tile);
+    float* speed = grid.field(to, tile);
+    for (std::int32_t j = 0; j < of.high; ++j) std::copy_n(found + tile_node(0, j), of.wide, speed + tile_node(0, j));
+  }
 }
 
 }  // namespace psim

@@ -20,7 +20,11 @@ inline constexpr float kFullCell = 0.5f;
 
 /// Makes the equations of a tile: its links and its diagonal; in kRight what pressure must undo, m^2/s, and in kUneven
 /// what a displacement must, m^2. All tiles have their sums then (fluid_transfer.h).
-FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& space);
+/// `bodies`: there are some; they are drawn (fluid_cut.h), and all tiles have their shares.
+FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& space, bool bodies);
+
+/// Finds how full the cells of a tile are, where there are bodies.
+void find_shares(FluidGrid& grid, std::size_t tile, const FluidSpace& space);
 
 /// Adds walls to what particles feel as dense. Once a step, after sum_up().
 void fill_walls(FluidGrid& grid, std::size_t tile, const FluidSpace& space);
@@ -38,5 +42,10 @@ void pull_faces(FluidGrid& grid, std::size_t tile, bool viscous);
 /// Faces that belong to no full cell gain as much as those beside them that do, on the mean. Farther away nothing changes.
 /// `viscous`: kDragU and kDragV, too.
 void extend_faces(FluidGrid& grid, std::size_t tile, bool viscous);
+
+/// Faces within bodies move along their surface as the fluid does, and against it as the body: finds these velocities,
+/// and then sets them, when all tiles have theirs.
+void find_slip(FluidGrid& grid, std::size_t tile);
+void set_slip(FluidGrid& grid, std::size_t tile);
 
 }  // namespace psim

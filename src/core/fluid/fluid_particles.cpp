@@ -12,6 +12,8 @@ namespace {
 
 /// Particles nearer than this to the edge of a tile, in cells, need the tile beside it.
 constexpr float kNear = 2;
+/// Longest way for which shapes are looked up, tiles.
+constexpr float kFarthestLook = 4;
 
 std::int32_t floor_div(std::int32_t a, std::int32_t b) { return a >= 0 ? a / b : -((b - 1 - a) / b); }
 
@@ -102,11 +104,51 @@ void sort_keys(std::vector<std::uint64_t>& keys) {
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
 }
 
+std::size_t place_in(const std::vector<std::uint64_t>& keys, std::uint64_t key) {
+  return static_cast<std::size_t>(std::ranges::lower_bound(keys, key) - keys.begin());
+}
+
+// Keeps a particle, which was at `from`, out of shapes.
+void keep_out_of(const FluidBodies& bodies, std::span<const FluidSolid> solids, Place2 from, float dt,
+                 const FluidSpace& space, FluidParticle& p) {
+  const auto wide = static_cast<float>(space.cell_x), high = static_cast<float>(space.cell_y);
+  Place2 at{p.x * wide, p.y * high}, speed{p.u, p.v};
+  if (!bodies.keep_out(solids, {from.x * wide, from.y * high}, dt, std::max(wide, high), at, speed)) return;
+  p.x = at.x / wide;
+  p.y = at.y / high;
+  p.u = speed.x;
+  p.v = speed.y;
+}
+
 }  // namespace
+
+void FluidParticles::keep_out(const FluidTile& tile, std::span<const FluidSolid> solids, std::span<const Place2> from,
+                              float dt, const FluidSpace& space, const FluidBodies& bodies) {
+  for (std::uint32_t k = 0; k < tile.count; ++k) {
+    keep_out_of(bodies, solids, from[k], dt, space, list_[tile.first + k]);
+  }
+}
+
+// Finds the shapes around the tiles that particles are in, as far as the fastest of them goes.
+void FluidParticles::look_around(const FluidSpace& space, const kernels::FluidMotion& motion, WorkerPool& pool,
+                                 FluidBodies& bodies) {
+  float most = 0;
+  for (std::size_t k = 0; k < count_; ++k) {
+    const FluidParticle& p = list_[k];
+    most = std::max(most, std::max(std::fabs(p.u), std::fabs(p.v)));
+  }
+  const float fall = std::max(std::fabs(motion.gravity_x), std::fabs(motion.gravity_y)) * motion.dt;
+  const float reach = std::min(2 * motion.dt * (most + fall), kFarthestLook * kTile * motion.cell_x) + motion.cell_x;
+  old_keys_.clear();
+  for (const FluidTile& tile : old_tiles_) old_keys_.push_back(tile_key(tile.x, tile.y));
+  old_keys_.insert(old_keys_.end(), added_.begin(), added_.end());
+  sort_keys(old_keys_);
+  bodies.look_around(old_keys_, space, reach, pool);
+}
 
 // Moves the particles of a job, and notes the tile of each and the tiles that they are in or near.
 void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const kernels::FluidMotion& motion,
-                                const kernels::KernelTable& kernels) {
+                                const kernels::KernelTable& kernels, FluidBodies& bodies) {
   const std::size_t begin = job * kChunk, end = std::min(count_, begin + kChunk), old = count_ - added_.size();
   const bool wraps = space.boundary == Boundary::periodic, walls = space.boundary == Boundary::walls;
   std::vector<std::uint64_t>& keys = chunks_[job].keys;
@@ -114,11 +156,17 @@ void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const 
   std::uint64_t last = 0;
   float last_wide = 0, last_high = 0;
   std::uint32_t sides = 0;  // that particles of the tile `last` are near
+  std::vector<Place2>& places = chunks_[job].from;
+  if (bodies.there()) {
+    places.clear();
+    for (std::size_t k = begin; k < end; ++k) places.push_back({list_[k].x, list_[k].y});
+  }
   kernels.move_fluid(list_.data() + begin, end - begin, motion);
   std::uint32_t of = old_tile_[job];
   std::uint64_t from = 0;  // the tile that the particles were in
   std::int32_t from_x = 0, from_y = 0;
   float wide = 0, high = 0;
+  std::span<FluidSolid> solids;
   for (std::size_t k = begin; k < end; ++k) {
     FluidParticle& p = list_[k];
     std::uint64_t was = from;
@@ -134,7 +182,9 @@ void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const 
       from_y = row_of(was);
       wide = width_of(from_x, space.cells_x);
       high = width_of(from_y, space.cells_y);
+      solids = bodies.there() ? bodies.around(place_in(old_keys_, was)) : std::span<FluidSolid>();
     }
+    if (!solids.empty()) keep_out_of(bodies, solids, places[k - begin], motion.dt, space, p);
     if (walls) {
       const auto x = static_cast<float>(kTile * from_x), y = static_cast<float>(kTile * from_y);
       keep_between(p.x, p.u, 1 + kApart - x, 1 + space.wide - kApart - x);
@@ -184,7 +234,7 @@ void FluidParticles::count_chunk(std::size_t job, const FluidGrid& grid) {
 }
 
 void FluidParticles::move(const FluidSpace& space, const kernels::FluidMotion& motion,
-                          const kernels::KernelTable& kernels, FluidGrid& grid, WorkerPool& pool) {
+                          const kernels::KernelTable& kernels, FluidGrid& grid, WorkerPool& pool, FluidBodies& bodies) {
   const std::size_t jobs = (count_ + kChunk - 1) / kChunk;
   sorted_.reserve(list_.capacity());
   tile_of_.reserve(list_.capacity());
@@ -196,7 +246,8 @@ void FluidParticles::move(const FluidSpace& space, const kernels::FluidMotion& m
     while (tile < old_tiles_.size() && old_tiles_[tile].first + old_tiles_[tile].count <= job * kChunk) ++tile;
     old_tile_[job] = tile;
   }
-  pool.run(jobs, [&](std::size_t job) { move_chunk(job, space, motion, kernels); });
+  if (bodies.there()) look_around(space, motion, pool, bodies);
+  pool.run(jobs, [&](std::size_t job) { move_chunk(job, space, motion, kernels, bodies); });
   lay_tiles(space, grid);
   pool.run(jobs, [&](std::size_t job) { count_chunk(job, grid); });
   std::uint32_t first = 0;

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/column.h"
 #include "base/worker_pool.h"
+#include "fluid/fluid_bodies.h"
 #include "fluid/fluid_tiles.h"
 #include "fluid_views.h"
 #include "kernel_table.h"
@@ -49,8 +51,12 @@ class FluidParticles {
   /// Adds a particle at a place, in cells.
   void add(double x, double y, Vec2 velocity, std::uint32_t fluid, const FluidSpace& space);
   /// Moves particles on by a step, keeps them within the walls, sorts them, and makes the tiles of `grid` for them.
+  /// `bodies`: particles do not pass their shapes.
   void move(const FluidSpace& space, const kernels::FluidMotion& motion, const kernels::KernelTable& kernels,
-            FluidGrid& grid, WorkerPool& pool);
+            FluidGrid& grid, WorkerPool& pool, FluidBodies& bodies);
+  /// Moves the particles of a tile out of its shapes, into which they went from these places, cells.
+  void keep_out(const FluidTile& tile, std::span<const FluidSolid> solids, std::span<const Place2> from, float dt,
+                const FluidSpace& space, const FluidBodies& bodies);
   /// Removes the sorted particles that are not within the bounds, from the tiles of `grid`, too.
   void keep_within(const Bounds& bounds, FluidGrid& grid, const FluidSpace& space);
   /// The place of a particle, m.
@@ -61,7 +67,8 @@ class FluidParticles {
 
  private:
   void move_chunk(std::size_t job, const FluidSpace& space, const kernels::FluidMotion& motion,
-                  const kernels::KernelTable& kernels);
+                  const kernels::KernelTable& kernels, FluidBodies& bodies);
+  void look_around(const FluidSpace& space, const kernels::FluidMotion& motion, WorkerPool& pool, FluidBodies& bodies);
   void lay_tiles(const FluidSpace& space, FluidGrid& grid);
   void count_chunk(std::size_t job, const FluidGrid& grid);
 
@@ -70,6 +77,7 @@ class FluidParticles {
   struct Chunk {
     std::vector<std::uint64_t> keys;    // tiles that its particles are in or near
     std::vector<std::uint32_t> counts;  // particles by tile
+    std::vector<Place2> from;           // where its particles were
   };
 
   std::size_t count_ = 0;
@@ -80,7 +88,7 @@ class FluidParticles {
   std::vector<std::uint32_t> old_tile_;  // of each chunk's first particle
   std::vector<std::uint64_t> added_;     // keys of the tiles of particles that were added since the last sort
   std::vector<Chunk> chunks_;
-  std::vector<std::uint64_t> keys_;
+  std::vector<std::uint64_t> keys_, old_keys_;
 };
 
 }  // namespace psim

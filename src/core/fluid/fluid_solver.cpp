@@ -144,7 +144,7 @@ double FluidSolver::sum(const std::vector<double>& parts) const {
   return total;
 }
 
-int FluidSolver::solve(Field x, Field right, float tolerance, int most) {
+int FluidSolver::solve(Field x, Field right, float tolerance, int most, SolverRows* rows) {
   FluidGrid& g = finest_;
   parts_.resize(g.size());
   most_.resize(g.size());
@@ -155,9 +155,11 @@ int FluidSolver::solve(Field x, Field right, float tolerance, int most) {
     g.pull_cross(x, t);
     kernels_.fluid_residual(view(g, t), g.field(right, t), g.field(x, t), g.field(kResidual, t));
   });
+  const float first = rows != nullptr ? 1 : 0;  // x += first * way, which is zero; residual -= first * change
+  if (rows != nullptr) rows->apply(g, x, kChange);
   // A pass of its own, since it writes what neighbours have just read.
   each(g, [&](std::size_t t) {
-    most_[t] = kernels_.advance_fluid(0, g.field(kWay, t), g.field(kChange, t), g.field(x, t), g.field(kResidual, t));
+    most_[t] = kernels_.advance_fluid(first, g.field(kWay, t), g.field(kChange, t), g.field(x, t), g.field(kResidual, t));
   });
   double before = 0;
   for (int k = 0;; ++k) {
@@ -173,7 +175,8 @@ int FluidSolver::solve(Field x, Field right, float tolerance, int most) {
       g.pull_cross(kWay, t);
       parts_[t] = kernels_.apply_fluid(view(g, t), g.field(kWay, t), g.field(kChange, t));
     });
-    const double bent = sum(parts_);
+    double bent = sum(parts_);
+    if (rows != nullptr) bent += rows->apply(g, kWay, kChange);
     if (!(bent > 0)) return k;
     const auto step = static_cast<float>(now / bent);
     each(g, [&](std::size_t t) {

@@ -12,6 +12,14 @@
 
 namespace psim {
 
+/// More that the equations hold: a symmetric matrix of few rows.
+class SolverRows {
+ public:
+  virtual ~SolverRows() = default;
+  /// change += the matrix times x; returns x times that.
+  virtual double apply(FluidGrid& grid, std::size_t x, std::size_t change) = 0;
+};
+
 class FluidSolver {
  public:
   /// The fields of a level. Those from kResidual on are of the finest level only.
@@ -51,6 +59,13 @@ class FluidSolver {
     kDragV,
     kFill,
     kEdge,
+    // Shares that bodies leave open, and the velocity of what they take (fluid_cut.h).
+    kOpenU,
+    kOpenV,
+    kSeen,
+    kShare,
+    kSolidU,
+    kSolidV,
     kFine,
     kFields = kFine + 4
   };
@@ -65,7 +80,8 @@ class FluidSolver {
   void coarsen(const FluidSpace& space);
   /// Solves for `x`, which holds a first guess, with the right sides `right`, until no residual is larger than `tolerance`.
   /// Returns the number of iterations.
-  int solve(Field x, Field right, float tolerance, int most);
+  /// `rows`: of bodies that move with pressure, or null.
+  int solve(Field x, Field right, float tolerance, int most, SolverRows* rows = nullptr);
 
   /// Calls job(tile) for every tile of the finest level, on all threads.
   template <class Job>

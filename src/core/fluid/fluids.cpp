@@ -65,7 +65,7 @@ void Fluids::add(std::uint32_t fluid, Vec2 place, Vec2 velocity) {
                  space_);
 }
 
-void Fluids::step(double dt, Vec2 gravity) {
+void Fluids::step(double dt, Vec2 gravity, const SolidFinder* finder) {
   if (particles_.size() == 0) return;
   FluidGrid& grid = solver_.grid();
   const auto f = [](double a) { return static_cast<float>(a); };
@@ -82,20 +82,52 @@ void Fluids::step(double dt, Vec2 gravity) {
              volume_.data(),
              mass_.data()};
   dt_ = dt;
+  bodies_.begin(finder, kinds_[0].density);
   keep_pressure();
-  particles_.move(space_, motion_, kernels_, grid, pool_);
+  particles_.move(space_, motion_, kernels_, grid, pool_, bodies_);
   recall_pressure();
   solver_.each_tile([&](std::size_t t) { scatter_particles(grid, t, particles_, kernels_, motion_); });
   solver_.each_tile([&](std::size_t t) {
     sum_up(grid, t);
     fill_walls(grid, t, space_);
   });
+  meet_bodies();
   if (viscosity_ > 0) drag();
   solve();
+  bodies_.bear(grid, S::kPressure, dt);
+  move_with_grid();
+}
+
+void Fluids::meet_bodies() {
+  bodies_.look(solver_.grid(), space_, dt_, double{kHistory}, pool_);
+  if (!bodies_.any()) return;
+  FluidGrid& grid = solver_.grid();
+  solver_.each_tile([&](std::size_t t) { bodies_.draw(grid, t, space_); });
+  solver_.each_tile([&](std::size_t t) { grid.pull_ring(S::kVolume, t); });
+  solver_.each_tile([&](std::size_t t) { find_shares(grid, t, space_); });
+}
+
+// Particles take what the grid has gained.
+void Fluids::move_with_grid() {
+  FluidGrid& grid = solver_.grid();
   solver_.each_tile([&](std::size_t t) { correct_faces(grid, t, space_); });
   solver_.each_tile([&](std::size_t t) { pull_faces(grid, t, viscosity_ > 0); });
   solver_.each_tile([&](std::size_t t) { extend_faces(grid, t, viscosity_ > 0); });
-  solver_.each_tile([&](std::size_t t) { gather_particles(grid, t, particles_, kernels_, motion_, viscosity_ > 0); });
+  if (bodies_.any()) {
+    solver_.each_tile([&](std::size_t t) { find_slip(grid, t); });
+    solver_.each_tile([&](std::size_t t) { set_slip(grid, t); });
+  }
+  solver_.each_tile([&](std::size_t t) {
+    const FluidTile& tile = grid.tiles[t];
+    const std::span<const FluidSolid> solids = bodies_.at(t);
+    std::vector<Place2> from;
+    for (std::uint32_t k = 0; k < tile.count && !solids.empty(); ++k) {
+      const kernels::FluidParticle& p = particles_.data()[tile.first + k];
+      from.push_back({p.x, p.y});
+    }
+    gather_particles(grid, t, particles_, kernels_, motion_, viscosity_ > 0);
+    if (!solids.empty()) particles_.keep_out(tile, solids, from, 0, space_, bodies_);
+  });
 }
 
 // The pressure of a step is the first guess of the next one, in the same cells.
@@ -126,7 +158,7 @@ void Fluids::drag() {
   FluidGrid& grid = solver_.grid();
   const Viscosity by = {dt_ * viscosity_ / (space_.cell_x * space_.cell_x),
                         dt_ * viscosity_ / (space_.cell_y * space_.cell_y)};
-  solver_.each_tile([&](std::size_t t) { make_equations(grid, t, space_); });
+  solver_.each_tile([&](std::size_t t) { make_equations(grid, t, space_, bodies_.any()); });
   largest_.resize(grid.size());
   for (const Component of : {Component::u, Component::v}) {
     solver_.each_tile([&](std::size_t t) { largest_[t] = make_viscous_equations(grid, t, space_, by, of); });
@@ -141,7 +173,7 @@ void Fluids::solve() {
   FluidGrid& grid = solver_.grid();
   surveys_.resize(grid.size());
   solver_.each_tile([&](std::size_t t) {
-    surveys_[t] = make_equations(grid, t, space_);
+    surveys_[t] = make_equations(grid, t, space_, bodies_.any());
     // A cell without an equation is a place without pressure.
     const float* diagonal = grid.field(S::kDiagonal, t);
     float* pressure = grid.field(S::kPressure, t);
@@ -149,6 +181,7 @@ void Fluids::solve() {
       if (diagonal[n] <= 0) pressure[n] = 0;
     }
     std::fill_n(grid.field(S::kEven, t), kTileFloats, 0.0f);
+    if (bodies_.any()) surveys_[t].largest = bodies_.add_motion(grid, t);
   });
   FluidSurvey all;
   for (const FluidSurvey& s : surveys_) {
@@ -161,7 +194,8 @@ void Fluids::solve() {
   error_mean_ = all.cells == 0 ? 0 : all.error / all.cells;
   error_max_ = static_cast<double>(all.worst);
   solver_.coarsen(space_);
-  const int first = solver_.solve(S::kPressure, S::kRight, kPressureTolerance * all.largest, kMostIterations);
+  const int first = solver_.solve(S::kPressure, S::kRight, kPressureTolerance * all.largest, kMostIterations,
+                                  bodies_.any_moving() ? &bodies_ : nullptr);
   const int second = solver_.solve(S::kEven, S::kUneven, kEvenTolerance * all.largest_even, kMostIterations);
   iterations_ = static_cast<std::uint32_t>(first + second);
 }
@@ -262,6 +296,7 @@ void Fluids::clear() {
   mass_.clear();
   viscosity_ = 0;
   particles_.clear();
+  bodies_.clear();
   space_ = FluidSpace();
   solver_.grid().lay({}, space_, 0);
   dt_ = error_mean_ = error_max_ = 0;

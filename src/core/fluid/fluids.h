@@ -40,13 +40,20 @@ struct FluidCounts {
 class Fluids {
  public:
   Fluids(MemoryMeter& meter, const kernels::KernelTable& kernels, WorkerPool& pool)
-      : kernels_(kernels), pool_(pool), particles_(meter), solver_(meter, kernels, pool), old_pressure_(meter) {}
+      : kernels_(kernels),
+        pool_(pool),
+        particles_(meter),
+        solver_(meter, kernels, pool),
+        bodies_(solver_),
+        old_pressure_(meter) {}
 
   void begin(const FluidSpace& space) { space_ = space; }
   std::uint32_t add_kind(const FluidKind& kind);
   void add(std::uint32_t fluid, Vec2 place, Vec2 velocity);
-  /// Moves all fluids by dt seconds. `gravity`: m/s^2.
-  void step(double dt, Vec2 gravity);
+  /// Moves all fluids by dt seconds. `gravity`: m/s^2. `finder` tells of the bodies around; null: there are none.
+  void step(double dt, Vec2 gravity, const SolidFinder* finder);
+  /// What the step did to bodies, by id.
+  const std::vector<FluidForce>& forces() const { return bodies_.forces(); }
 
   /// Makes room for n particles more, whose add() then needs no memory.
   void make_room(std::size_t n) { particles_.make_room(n); }
@@ -60,7 +67,7 @@ class Fluids {
   /// Removes the particles that are not within the bounds.
   void keep_within(const Bounds& bounds) { particles_.keep_within(bounds, solver_.grid(), space_); }
   std::size_t size() const { return particles_.size(); }
-  std::size_t bytes() const { return particles_.bytes() + solver_.bytes() + old_pressure_.bytes(); }
+  std::size_t bytes() const { return particles_.bytes() + solver_.bytes() + old_pressure_.bytes() + bodies_.bytes(); }
   FluidCounts counts() const;
   /// `before` and the particles, by id.
   std::uint64_t hash(std::uint64_t before) const;
@@ -77,8 +84,10 @@ class Fluids {
   void describe_kinds(Archive& a, const Bounds& bounds, Boundary boundary);
   void keep_pressure();
   void recall_pressure();
+  void meet_bodies();
   void drag();
   void solve();
+  void move_with_grid();
 
   const kernels::KernelTable& kernels_;
   WorkerPool& pool_;
@@ -87,6 +96,7 @@ class Fluids {
   std::vector<float> volume_, mass_;  // of a particle, by fluid
   FluidParticles particles_;
   FluidSolver solver_;
+  FluidBodies bodies_;
   kernels::FluidMotion motion_{};
   double dt_ = 0;
   double viscosity_ = 0;              // m^2/s: the largest

@@ -58,6 +58,18 @@ void FluidParticles::describe(Archive& a, FluidGrid& grid, const FluidSpace& spa
   }
 }
 
+static auto fields(FluidForce& f) { return std::tie(f.id, f.generation, f.force, f.torque); }
+
+// What a step needs of the one before: forces. Impulses have been given.
+void FluidBodies::describe(Archive& a) {
+  values(a, forces_);
+  if (!a.loading()) return;
+  for (std::size_t k = 0; k < forces_.size(); ++k) {
+    a.require(k == 0 || forces_[k - 1].id < forces_[k].id);
+    a.require(std::isfinite(forces_[k].force.x) && std::isfinite(forces_[k].force.y) && std::isfinite(forces_[k].torque));
+  }
+}
+
 void Fluids::describe_kinds(Archive& a, const Bounds& bounds, Boundary boundary) {
   std::vector<FluidKind> kinds = kinds_;
   Vec2 corner{space_.left, space_.bottom};
@@ -79,6 +91,7 @@ void Fluids::describe(Archive& a, const Bounds& bounds, Boundary boundary) {
   FluidGrid& grid = solver_.grid();
   particles_.describe(a, grid, space_, kinds_.size());
   values(a, dt_, error_mean_, error_max_, iterations_);
+  bodies_.describe(a);
   a.require(dt_ >= 0 && dt_ <= limits::kTimeStep.max);
   for (std::size_t t = 0; t < grid.size() && a.ok(); ++t) {
     for (const auto f : {FluidSolver::kPressure, FluidSolver::kDiagonal, FluidSolver::kError}) {

@@ -6,9 +6,7 @@
 #include "world/world_impl.h"
 
 namespace psim {
-namespace {
 
-// Adds to what pushes a body in the next step. False, and nothing changes, if the body does not move.
 bool add_force(Owners& w, BodyId id, Vec2 force, double torque) {
   if (!can_move(w, id)) return false;
   Population& population = w.population;
@@ -26,8 +24,6 @@ bool add_force(Owners& w, BodyId id, Vec2 force, double torque) {
   all.torque += torque;
   return true;
 }
-
-}  // namespace
 
 Vec2 arm_to(Owners& w, BodyId id, Vec2 point) {
   const Vec2 centre = w.lattice.to_world(w.bodies.point(w.bodies.info[id.index].slot));

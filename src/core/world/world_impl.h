@@ -86,6 +86,16 @@ Vec2 arm_to(Owners& w, BodyId id, Vec2 point);
 /// A body gets an angle or an angular velocity.
 void let_turn(Owners& w);
 
+// world_forces.cpp
+/// Adds to what pushes a body in the next step. False, and nothing changes, if the body does not move.
+bool add_force(Owners& w, BodyId id, Vec2 force, double torque);
+
+// world_fluid_bodies.cpp
+/// Moves the fluids of a world by dt seconds, around its bodies.
+void step_fluids(Owners& w, double dt);
+/// Gives bodies what the fluids' last step did to them.
+void push_by_fluids(Owners& w);
+
 // world_joints.cpp
 void disturb_joined(Owners& w, std::uint32_t body);
 void remove_joints_of(Owners& w, std::uint32_t body);

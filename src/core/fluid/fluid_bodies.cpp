@@ -1,0 +1,261 @@
+#include "fluid/fluid_bodies.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "fluid/fluid_cut.h"
+
+namespace psim {
+
+using kernels::kTile;
+using S = FluidSolver;
+
+namespace {
+
+constexpr float kApartFromShapes = 0.125f;       // cells: particles keep so far from shapes
+constexpr float kMostWayOut = 1.5f;    // cells: a particle within a shape goes out by so much in a step
+constexpr int kMostStops = 3;          // in a corner of several shapes
+
+bool by_body(const FluidSolid& a, const FluidSolid& b) {
+  return a.body != b.body ? a.body < b.body : a.order < b.order;
+}
+
+}  // namespace
+
+void TileSolids::find(const SolidFinder& finder, std::span<const std::uint64_t> keys, const FluidSpace& space,
+                      float reach, WorkerPool& pool) {
+  constexpr std::size_t kTilesAJob = 4;
+  by_tile_.resize(keys.size());
+  const auto look = [&](std::size_t t, std::vector<SolidFinder::Found>& found) {
+    found.clear();
+    by_tile_[t].clear();
+    const double wide = kTile * space.cell_x, high = kTile * space.cell_y;
+    const Vec2 corner{space.left + wide * column_of(keys[t]), space.bottom + high * row_of(keys[t])};
+    const Vec2 far{double{reach}, double{reach}};
+    finder.find(corner, -1.0 * far, Vec2{wide, high} + far, found);
+    const float cell = static_cast<float>(std::max(space.cell_x, space.cell_y));
+    for (const SolidFinder::Found& f : found) {
+      FluidSolid& solid = by_tile_[t].emplace_back(fluid_solid(f.outline, f.centre, cell));
+      solid.body = f.id;
+      solid.order = f.order;
+    }
+    // Total order: the copies of a shape in a periodic world lie at different places.
+    std::ranges::sort(by_tile_[t], [](const FluidSolid& a, const FluidSolid& b) {
+      if (a.body != b.body || a.order != b.order) return by_body(a, b);
+      return a.centre_x != b.centre_x ? a.centre_x < b.centre_x : a.centre_y < b.centre_y;
+    });
+  };
+  pool.run((keys.size() + kTilesAJob - 1) / kTilesAJob, [&](std::size_t job) {
+    std::vector<SolidFinder::Found> found;
+    for (std::size_t t = job * kTilesAJob; t < std::min(keys.size(), (job + 1) * kTilesAJob); ++t) look(t, found);
+  });
+  any_ = std::ranges::any_of(by_tile_, [](const auto& solids) { return !solids.empty(); });
+}
+
+void FluidBodies::begin(const SolidFinder* finder, double density) {
+  density_ = density;
+  finder_ = finder != nullptr && finder->any() ? finder : nullptr;
+  around_.clear();
+  solids_.clear();
+  bodies_.clear();
+  tiles_.clear();
+  known_.swap(forces_);
+  forces_.clear();
+  moving_ = false;
+}
+
+// Gives shapes the numbers of their bodies, which are looked up by id.
+void FluidBodies::number(TileSolids& of) {
+  std::vector<std::uint32_t> ids;
+  for (std::size_t t = 0; t < of.size(); ++t) {
+    for (const FluidSolid& s : of.at(t)) {
+      if (ids.empty() || ids.back() != s.body) ids.push_back(s.body);
+    }
+  }
+  std::ranges::sort(ids);  // Total order: ids that are equal are the same.
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  bodies_.clear();
+  for (const std::uint32_t id : ids) bodies_.push_back(finder_->body(id));
+  for (std::size_t t = 0; t < of.size(); ++t) {
+    for (FluidSolid& s : of.at(t)) {
+      s.body = static_cast<std::uint32_t>(std::ranges::lower_bound(ids, s.body) - ids.begin());
+    }
+  }
+}
+
+void FluidBodies::look_around(std::span<const std::uint64_t> keys, const FluidSpace& space, float reach,
+                              WorkerPool& pool) {
+  if (finder_ == nullptr) return;
+  around_.find(*finder_, keys, space, reach, pool);
+  number(around_);
+}
+
+void FluidBodies::look(const FluidGrid& grid, const FluidSpace& space, double dt, double known, WorkerPool& pool) {
+  share_ = known;
+  if (finder_ == nullptr) return;
+  constexpr float kReach = 2;  // cells
+  solids_.find(*finder_, grid.keys, space, kReach * static_cast<float>(std::max(space.cell_x, space.cell_y)), pool);
+  number(solids_);
+  tiles_.assign(grid.size(), Tile());
+  // Bodies have moved with all of the last force; here its share counts, since pressure gives the rest.
+  for (FluidBody& b : bodies_) {
+    moving_ = moving_ || b.inv_mass > 0;
+    const auto at = std::ranges::lower_bound(known_, b.id, {}, &FluidForce::id);
+    if (at == known_.end() || at->id != b.id || at->generation != b.generation) continue;
+    b.velocity = b.velocity - (1 - known) * dt * b.inv_mass * at->force;
+    b.spin -= (1 - known) * dt * b.inv_inertia * at->torque;
+  }
+}
+
+Place2 FluidBodies::speed_at(const FluidSolid& solid, Place2 at) const {
+  const FluidBody& b = bodies_[solid.body];
+  const auto spin = static_cast<float>(b.spin);
+  return {static_cast<float>(b.velocity.x) - spin * (at.y - solid.centre_y),
+          static_cast<float>(b.velocity.y) + spin * (at.x - solid.centre_x)};
+}
+
+bool FluidBodies::keep_out(std::span<const FluidSolid> solids, Place2 from, float dt, float cell, Place2& at,
+                           Place2& speed) const {
+  bool changed = false;
+  for (int pass = 0; pass < kMostStops; ++pass) {
+    bool again = false;
+    for (const FluidSolid& solid : solids) {
+      const Place2 moves = speed_at(solid, from);
+      const Stop stop =
+          stop_at(solid, {from.x + dt * moves.x, from.y + dt * moves.y}, at, kApartFromShapes * cell, kMostWayOut * cell);
+      if (!stop.stopped) continue;
+      at = stop.at;
+      const Place2 there = speed_at(solid, at);
+      const float into = (speed.x - there.x) * stop.out.x + (speed.y - there.y) * stop.out.y;
+      if (into < 0) speed = {speed.x - into * stop.out.x, speed.y - into * stop.out.y};
+      changed = again = true;
+    }
+    if (!again) break;
+  }
+  return changed;
+}
+
+void FluidBodies::draw(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
+  FluidCut(grid, tile, space, *this).run();
+}
+
+float FluidBodies::add_motion(FluidGrid& grid, std::size_t tile) const {
+  const float* diagonal = grid.field(S::kDiagonal, tile);
+  float* right = grid.field(S::kRight, tile);
+  for (const Run& run : tiles_[tile].runs) {
+    const FluidBody& b = bodies_[run.body];
+    const auto x = static_cast<float>(b.velocity.x), y = static_cast<float>(b.velocity.y),
+               turn = static_cast<float>(b.spin);
+    for (std::uint32_t k = run.first; k < run.end; ++k) {
+      const Row& row = tiles_[tile].rows[k];
+      if (diagonal[row.node] > 0) right[row.node] -= row.x * x + row.y * y + row.turn * turn;
+    }
+  }
+  float largest = 0;
+  for (std::size_t n = 0; n < kernels::kTileFloats; ++n) {
+    if (diagonal[n] > 0) largest = std::max(largest, std::fabs(right[n]));
+  }
+  return largest;
+}
+
+// The sums of all rows times a field, by body. Tiles are taken in their order.
+void FluidBodies::sum_rows(FluidGrid& grid, std::size_t x) {
+  solver_.each_tile([&](std::size_t t) {
+    const float* field = grid.field(x, t);
+    for (Run& run : tiles_[t].runs) {
+      run.x = run.y = run.turn = 0;
+      for (std::uint32_t k = run.first; k < run.end; ++k) {
+        const Row& row = tiles_[t].rows[k];
+        const auto value = static_cast<double>(field[row.node]);
+        run.x += static_cast<double>(row.x) * value;
+        run.y += static_cast<double>(row.y) * value;
+        run.turn += static_cast<double>(row.turn) * value;
+      }
+    }
+  });
+  sums_.assign(bodies_.size(), Sum());
+  for (const Tile& tile : tiles_) {
+    for (const Run& run : tile.runs) {
+      Sum& sum = sums_[run.body];
+      sum.x += run.x;
+      sum.y += run.y;
+      sum.turn += run.turn;
+      sum.met = true;
+    }
+  }
+}
+
+double FluidBodies::apply(FluidGrid& grid, std::size_t x, std::size_t change) {
+  sum_rows(grid, x);
+  gains_ = sums_;
+  double product = 0;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const double per_mass = density_ * bodies_[k].inv_mass, per_inertia = density_ * bodies_[k].inv_inertia;
+    Sum& gain = gains_[k];
+    gain.x *= per_mass;
+    gain.y *= per_mass;
+    gain.turn *= per_inertia;
+    product += sums_[k].x * gain.x + sums_[k].y * gain.y + sums_[k].turn * gain.turn;
+  }
+  solver_.each_tile([&](std::size_t t) {
+    float* to = grid.field(change, t);
+    const float* diagonal = grid.field(S::kDiagonal, t);
+    for (const Run& run : tiles_[t].runs) {
+      const Sum& gain = gains_[run.body];
+      if (!(bodies_[run.body].inv_mass > 0) && !(bodies_[run.body].inv_inertia > 0)) continue;
+      const auto gx = static_cast<float>(gain.x), gy = static_cast<float>(gain.y), gt = static_cast<float>(gain.turn);
+      for (std::uint32_t k = run.first; k < run.end; ++k) {
+        const Row& row = tiles_[t].rows[k];
+        if (diagonal[row.node] > 0) to[row.node] += row.x * gx + row.y * gy + row.turn * gt;
+      }
+    }
+  });
+  return product;
+}
+
+void FluidBodies::bear(FluidGrid& grid, std::size_t pressure, double dt) {
+  if (any()) sum_rows(grid, pressure);
+  forces_.clear();
+  const auto add = [&](std::uint32_t id, std::uint32_t generation, Vec2 given, double turned) {
+    FluidForce f{id, generation, {}, 0, given, turned};
+    const auto at = std::ranges::lower_bound(known_, id, {}, &FluidForce::id);
+    const bool met = given != Vec2{} || turned != 0;
+    if (at != known_.end() && at->id == id && at->generation == generation) {
+      f.impulse = given - (1 - share_) * dt * at->force;
+      f.spin_impulse = turned - (1 - share_) * dt * at->torque;
+      if (met) {
+        f.force = share_ * at->force;
+        f.torque = share_ * at->torque;
+      }
+    }
+    f.force = f.force + (1 / dt) * given;
+    f.torque += turned / dt;
+    if (met || f.impulse != Vec2{} || f.spin_impulse != 0) forces_.push_back(f);
+  };
+  std::size_t k = 0;
+  const auto add_until = [&](std::uint32_t id) {  // known ones that were not met
+    for (; k < known_.size() && known_[k].id < id; ++k) add(known_[k].id, known_[k].generation, {}, 0);
+    if (k < known_.size() && known_[k].id == id) ++k;
+  };
+  for (std::size_t b = 0; b < bodies_.size() && any(); ++b) {
+    add_until(bodies_[b].id);
+    const Sum& sum = sums_[b];
+    add(bodies_[b].id, bodies_[b].generation, {density_ * sum.x, density_ * sum.y}, density_ * sum.turn);
+  }
+  add_until(~0u);
+}
+
+void FluidBodies::clear() {
+  around_.clear();
+  solids_.clear();
+  bodies_.clear();
+  tiles_.clear();
+  known_.clear();
+  forces_.clear();
+}
+
+std::size_t FluidBodies::bytes() const {
+  return bodies_.capacity() * sizeof(FluidBody) + (forces_.capacity() + known_.capacity()) * sizeof(FluidForce);
+}
+
+}  // namespace psim

@@ -1,0 +1,144 @@
+// The bodies that a fluid meets: which shapes lie at which tile, how much of each cell they take (Batty, Bertails &
+// Bridson 2007), and what pressure and they do to each other.
+//
+// A body takes part in the equations of pressure by rows: how much it presses into each cell as it moves. So pressure
+// and the body's velocity are found at once.
+//
+// The force of a step is that of the step before, and an impulse that makes up for the difference. So bodies that lie
+// or float at rest are held up while they move, and contacts and joints bear what is left.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "fluid/fluid_solids.h"
+#include "fluid/fluid_solver.h"
+
+namespace psim {
+
+class Archive;
+
+/// A body as a fluid meets it.
+struct FluidBody {
+  std::uint32_t id = 0, generation = 0;
+  Vec2 velocity;           ///< m/s
+  double spin = 0;         ///< rad/s
+  double inv_mass = 0;     ///< 1/kg; 0: static or kinematic
+  double inv_inertia = 0;  ///< 1/(kg m^2)
+};
+
+/// What fluids do to a body.
+struct FluidForce {
+  std::uint32_t id = 0, generation = 0;
+  Vec2 force = {};            ///< N: mean of the last step
+  double torque = 0;          ///< N m, about the centre of mass
+  Vec2 impulse = {};          ///< N s: what the step did not know of
+  double spin_impulse = 0;    ///< N m s
+};
+
+/// Who tells a fluid of the bodies around it.
+class SolidFinder {
+ public:
+  struct Found {
+    std::uint32_t id = 0, order = 0;
+    ConvexOutline outline;  ///< m from `corner`
+    Vec2 centre;            ///< of mass of the body, likewise
+  };
+  virtual ~SolidFinder() = default;
+  virtual bool any() const = 0;
+  /// Appends the shapes near a box: what is seen from `corner` between `low` and `high`. Many threads may call it.
+  virtual void find(Vec2 corner, Vec2 low, Vec2 high, std::vector<Found>& out) const = 0;
+  virtual FluidBody body(std::uint32_t id) const = 0;
+};
+
+/// The shapes at some tiles.
+class TileSolids {
+ public:
+  /// Finds the shapes within `reach` m of tiles with these keys.
+  void find(const SolidFinder& finder, std::span<const std::uint64_t> keys, const FluidSpace& space, float reach,
+            WorkerPool& pool);
+  void clear() { by_tile_.clear(); }
+  bool any() const { return any_; }
+  std::span<FluidSolid> at(std::size_t tile) {
+    return tile < by_tile_.size() ? std::span(by_tile_[tile]) : std::span<FluidSolid>();
+  }
+  std::size_t size() const { return by_tile_.size(); }
+
+ private:
+  std::vector<std::vector<FluidSolid>> by_tile_;
+  bool any_ = false;
+};
+
+class FluidBodies : public SolverRows {
+ public:
+  explicit FluidBodies(FluidSolver& solver) : solver_(solver) {}
+  /// A step begins. `finder` may be null.
+  /// `density`: kg/m^2 of what pressure is counted in.
+  void begin(const SolidFinder* finder, double density);
+  bool there() const { return finder_ != nullptr; }
+  /// Finds the shapes around tiles that particles leave, for ways of up to `reach` m.
+  void look_around(std::span<const std::uint64_t> keys, const FluidSpace& space, float reach, WorkerPool& pool);
+  /// Finds the shapes at the tiles of this step. `before`: the share of the last force that counts as known.
+  void look(const FluidGrid& grid, const FluidSpace& space, double dt, double known, WorkerPool& pool);
+  bool any() const { return solids_.any(); }
+  std::span<FluidSolid> around(std::size_t k) { return around_.at(k); }
+  std::span<FluidSolid> at(std::size_t tile) { return solids_.at(tile); }
+  const FluidBody& body(std::size_t k) const { return bodies_[k]; }
+  /// Velocity of a point of a body, seen as the solid sees it.
+  Place2 speed_at(const FluidSolid& solid, Place2 at) const;
+  /// Keeps a particle out of shapes: `at` is where it went from `from`, m, in dt seconds; `speed` its velocity. Returns
+  /// whether it changed anything.
+  bool keep_out(std::span<const FluidSolid> solids, Place2 from, float dt, float cell, Place2& at, Place2& speed) const;
+
+  /// Draws the bodies into a tile: kOpenU, kOpenV, kSeen, kSolidU, kSolidV, and kFine. Makes the rows of its cells.
+  void draw(FluidGrid& grid, std::size_t tile, const FluidSpace& space);
+  /// Takes the bodies' motion into the right sides of pressure of a tile; returns the largest of them.
+  float add_motion(FluidGrid& grid, std::size_t tile) const;
+
+  /// change += what moving bodies give if x is pressure; returns x times that.
+  double apply(FluidGrid& grid, std::size_t x, std::size_t change) override;
+  /// Whether some body moves with pressure.
+  bool any_moving() const { return moving_; }
+  /// Finds forces from the pressure that was found. After look().
+  void bear(FluidGrid& grid, std::size_t pressure, double dt);
+  const std::vector<FluidForce>& forces() const { return forces_; }
+
+  void clear();
+  void describe(Archive& a);
+  std::size_t bytes() const;
+
+ private:
+  /// How much a unit of a body's velocity presses into a cell.
+  struct Row {
+    std::uint32_t node;
+    float x, y, turn;
+  };
+  struct Run {
+    std::uint32_t body = 0, first = 0, end = 0;
+    double x = 0, y = 0, turn = 0;  // sums
+  };
+  struct Tile {
+    std::vector<Row> rows;
+    std::vector<Run> runs;
+  };
+  struct Sum {
+    double x = 0, y = 0, turn = 0;
+    bool met = false;
+  };
+  friend class FluidCut;
+  void number(TileSolids& of);
+  void sum_rows(FluidGrid& grid, std::size_t x);
+
+  FluidSolver& solver_;
+  const SolidFinder* finder_ = nullptr;
+  TileSolids around_, solids_;
+  std::vector<FluidBody> bodies_;  // by id; with their velocity before pressure
+  std::vector<FluidForce> forces_, known_;
+  std::vector<Tile> tiles_;
+  std::vector<Sum> sums_, gains_;  // by body
+  double density_ = 1, share_ = 0;
+  bool moving_ = false;
+};
+
+}  // namespace psim
