@@ -213,8 +213,11 @@ void gather_fluid(FluidParticle* particles, std::size_t count, const FluidMotion
     p.push_y = felt_y + v.gain * per_dt;
     float by_x = s[2], by_y = s[3];
     if (from.edge[tile_node(at.xh.first + 1, at.yh.first + 1)] != 0) keep_along_surface<L>(from.volume, at, by_x, by_y);
-    const float way = motion.spreading * sqrtf(by_x * by_x + by_y * by_y);
-    const float spread = way > kLongestSpread ? motion.spreading * (kLongestSpread / way) : motion.spreading;
+    const float shear = p.uy + p.vx;
+    const float strain = dt * sqrtf(p.ux * p.ux + p.vy * p.vy + 0.5f * (shear * shear)) * motion.strain;
+    const float spreading = strain < 1 ? motion.spreading * strain : motion.spreading;
+    const float way = spreading * sqrtf(by_x * by_x + by_y * by_y);
+    const float spread = way > kLongestSpread ? spreading * (kLongestSpread / way) : spreading;
     const float shift_x = s[0] - 0.5f * spread * by_x * motion.cell_x;
     const float shift_y = s[1] - 0.5f * spread * by_y * motion.cell_y;
     p.u = old_u + gain_u - motion.calming * (old_u - (u.value - gain_u)) + (p.ux * shift_x + p.uy * shift_y);

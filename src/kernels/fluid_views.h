@@ -44,6 +44,7 @@ struct FluidMotion {
   float history;               // share of a particle's push that it feels before pressure is known
   float calming;               // share of what neighbours do not have in common that is lost in a step
   float spreading;             // how far particles move out of dense places: spacings by a density of 1 a spacing
+  float strain;                // 1 / the strain of a step with which they move so far; with less they move less
   float cell_x, cell_y;        // width and height of a cell, m
   float per_cell_x, per_cell_y;
   const float* volume;  // of a particle, in cells, by fluid

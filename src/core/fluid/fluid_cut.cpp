@@ -45,7 +45,10 @@ void FluidCut::run() {
     const float all = total(c.a, c.b);
     if (all > 1) c.share /= all;
   }
-  for (float& all : total_) all = std::min(all, 1.0f);
+  for (auto* squares : {&total_, &kernel_}) {
+    for (float& all : *squares) all = std::min(all, 1.0f);
+  }
+  end_at_walls();
   find_middles();
   open_faces();
   see();
@@ -61,6 +64,7 @@ void FluidCut::cover_tiny(std::uint32_t k, const FluidSolid& s) {
       const float share = w * s.area / (side_x_ * side_y_);
       if (share > 0) covers_.push_back({k, a, b, share});
       total_[square(a, b)] += share;
+      kernel_[square(a, b)] += share;
     }
   }
 }
@@ -69,16 +73,15 @@ void FluidCut::cover(std::uint32_t k) {
   const FluidSolid& s = solids_[k];
   const float wide = (s.high_x - s.low_x) / side_x_, high = (s.high_y - s.low_y) / side_y_;
   if (wide <= kTiny && high <= kTiny) return cover_tiny(k, s);
+  constexpr float kKernel = 1.5f;  // squares: how far a kernel reaches
+  const float half = (side_x_ + side_y_) / 2;
   const auto from = [](float low, float side) {
-    return static_cast<std::int32_t>(std::floor(std::max(low / side, static_cast<float>(4 * kFirst))));
+    return static_cast<std::int32_t>(std::floor(std::max(low / side - kKernel, static_cast<float>(4 * kFirst))));
   };
   const auto to = [](float high_side, float side) {
-    return static_cast<std::int32_t>(std::floor(std::min(high_side / side, static_cast<float>(2 * kSide))));
+    return static_cast<std::int32_t>(std::floor(std::min(high_side / side + kKernel, static_cast<float>(2 * kSide))));
   };
-  const auto share_at = [&](std::int32_t a, std::int32_t b) {
-    const Place2 at = middle_of(a, b);
-    Place2 out;
-    const float d = s.distance(at, out), half = (side_x_ + side_y_) / 2;
+  const auto share_at = [&](float d, Place2 out) {
     return d > half ? 0.0f : d < -half ? 1.0f : share_within(d, out, side_x_, side_y_);
   };
   const std::int32_t a0 = from(s.low_x, side_x_), a1 = to(s.high_x, side_x_), b0 = from(s.low_y, side_y_),
@@ -87,16 +90,40 @@ void FluidCut::cover(std::uint32_t k) {
   if (wide <= kSmall && high <= kSmall) {
     float sum = 0;
     for (std::int32_t b = b0; b <= b1; ++b) {
-      for (std::int32_t a = a0; a <= a1; ++a) sum += share_at(a, b);
+      for (std::int32_t a = a0; a <= a1; ++a) {
+        Place2 out;
+        const float d = s.distance(middle_of(a, b), out);
+        sum += share_at(d, out);
+      }
     }
     if (sum > 0) right = s.area / (sum * side_x_ * side_y_);
   }
   for (std::int32_t b = std::max(b0, kFirst); b <= std::min(b1, kFirst + kSide - 1); ++b) {
     for (std::int32_t a = std::max(a0, kFirst); a <= std::min(a1, kFirst + kSide - 1); ++a) {
-      const float share = right * share_at(a, b);
+      Place2 out;
+      const float d = s.distance(middle_of(a, b), out), share = right * share_at(d, out);
+      kernel_[square(a, b)] += right * kernel_below(-d / half);
       if (!(share > 0)) continue;
       covers_.push_back({k, a, b, share});
       total_[square(a, b)] += share;
+    }
+  }
+}
+
+// What lies beyond walls counts as theirs.
+void FluidCut::end_at_walls() {
+  if (space_.boundary != Boundary::walls) return;
+  constexpr float kNext = 1.0f / 6;  // of what lies within the walls, the next square beyond sees so much at most
+  const auto beyond = [](std::int32_t first, std::int32_t k, float wide) {
+    const float middle = (static_cast<float>(2 * kernels::kTile * first + k) + 0.5f) / 2;
+    return std::max(1 - middle, middle - (1 + wide));  // cells
+  };
+  for (std::int32_t b = kFirst; b < kFirst + kSide; ++b) {
+    for (std::int32_t a = kFirst; a < kFirst + kSide; ++a) {
+      const float far = std::max(beyond(tile_.x, a, space_.wide), beyond(tile_.y, b, space_.high));
+      if (far <= 0) continue;
+      float& sees = kernel_[square(a, b)];
+      sees = far < 0.5f ? std::min(sees, kNext) : 0.0f;
     }
   }
 }
@@ -123,13 +150,15 @@ bool FluidCut::closes(std::size_t n, std::size_t m, Place2 face, Place2 way, std
   const Middle &a = middles_[n], &b = middles_[m];
   const auto along = [](Place2 p, Place2 q) { return p.x * q.x + p.y * q.y; };
   solid = a.distance < b.distance ? a.solid : b.solid;
-  if (a.distance < 0 && b.distance < 0) return along(a.out, b.out) < 0;
-  if (a.distance < 0) return along(a.out, way) < kTurnsAway;
-  if (b.distance < 0) return along(b.out, way) > -kTurnsAway;
+  const bool a_in = a.distance < 0, b_in = b.distance < 0;
+  if ((a_in && !solids_[a.solid].thin) || (b_in && !solids_[b.solid].thin)) return false;
+  if (a_in && b_in) return along(a.out, b.out) < 0;
+  if (a_in) return along(a.out, way) < kTurnsAway;
+  if (b_in) return along(b.out, way) > -kTurnsAway;
   if (std::min(a.distance, b.distance) > side_x_ + side_y_) return false;
   for (const std::uint32_t k : {a.solid, b.solid}) {
     Place2 out;
-    if (solids_[k].distance(face, out) >= 0) continue;
+    if (!solids_[k].thin || solids_[k].distance(face, out) >= 0) continue;
     solid = k;
     return true;
   }
@@ -165,32 +194,21 @@ void FluidCut::open_faces() {
   }
 }
 
-// What the kernel of each cell sees that is open, and what the nodes of the fine grid see that is solid: the kernel is
-// three boxes, one of which is the square itself.
+// What the kernel of each cell sees that is open. It is a sum of the kernels of 4 x 4 squares.
 void FluidCut::see() {
-  constexpr float kCell[6] = {1.0f / 64, 9.0f / 64, 22.0f / 64, 22.0f / 64, 9.0f / 64, 1.0f / 64};
-  constexpr float kSquare[3] = {0.125f, 0.75f, 0.125f};
-  float* seen = grid_.field(S::kSeen, t_);
+  constexpr float kParts[4] = {0.125f, 0.375f, 0.375f, 0.125f};
+  float *seen = grid_.field(S::kSeen, t_), *fine = grid_.field(S::kFine, t_);
   for (std::int32_t j = 0; j < tile_.high; ++j) {
     for (std::int32_t i = 0; i < tile_.wide; ++i) {
       float solid = 0;
-      for (std::int32_t b = 0; b < 6; ++b) {
-        for (std::int32_t a = 0; a < 6; ++a) {
-          solid += kCell[a] * kCell[b] * total(2 * i + a - 2, 2 * j + b - 2);
-        }
+      for (std::int32_t b = 0; b < 4; ++b) {
+        for (std::int32_t a = 0; a < 4; ++a) solid += kParts[a] * kParts[b] * kernel_[square(2 * i + a - 1, 2 * j + b - 1)];
       }
       seen[tile_node(i, j)] = 1 - solid;
     }
   }
-  float* fine = grid_.field(S::kFine, t_);
   for (std::int32_t b = 0; b < 2 * tile_.high; ++b) {
-    for (std::int32_t a = 0; a < 2 * tile_.wide; ++a) {
-      float solid = 0;
-      for (std::int32_t q = 0; q < 3; ++q) {
-        for (std::int32_t p = 0; p < 3; ++p) solid += kSquare[p] * kSquare[q] * total(a + p - 1, b + q - 1);
-      }
-      fine[kernels::fine_node(a, b)] += solid;
-    }
+    for (std::int32_t a = 0; a < 2 * tile_.wide; ++a) fine[kernels::fine_node(a, b)] += kernel_[square(a, b)];
   }
 }
 

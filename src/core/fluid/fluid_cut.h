@@ -44,6 +44,7 @@ class FluidCut {
   }
   void cover(std::uint32_t k);
   void cover_tiny(std::uint32_t k, const FluidSolid& s);
+  void end_at_walls();
   void find_middles();
   bool closes(std::size_t n, std::size_t m, Place2 face, Place2 way, std::uint32_t& solid) const;
   void open_faces();
@@ -58,7 +59,8 @@ class FluidCut {
   FluidBodies& bodies_;
   std::span<FluidSolid> solids_;
   float side_x_, side_y_;  // of a square, m
-  std::array<float, kSide * kSide> total_{};
+  std::array<float, kSide * kSide> total_{};   // the share of a square that is solid
+  std::array<float, kSide * kSide> kernel_{};  // what a kernel of squares sees there that is solid
   std::vector<Cover> covers_;
   std::array<Middle, kernels::kTileFloats> middles_{};
   std::vector<ClosedFace> closed_;

@@ -22,15 +22,6 @@ constexpr float kSoft = 0.05f;       // at a surface cells may be overfull by so
 constexpr float kMostUneven = 0.5f;  // errors of the density are mended in steps of this
 constexpr float kLeastWay = 0.1f;    // from the middle of a cell to a surface, cells
 
-// The kernel's integral up to t cells from its middle.
-float kernel_below(float t) {
-  if (t <= -1.5f) return 0;
-  if (t >= 1.5f) return 1;
-  if (t < -0.5f) return (1.5f + t) * (1.5f + t) * (1.5f + t) / 6;
-  if (t <= 0.5f) return 0.5f + 0.75f * t - t * t * t / 3;
-  return 1 - (1.5f - t) * (1.5f - t) * (1.5f - t) / 6;
-}
-
 // How far the middle of a cell lies within a flat surface, cells, by the share of fluid that its kernel sees.
 class Depth {
  public:
@@ -150,7 +141,8 @@ class Setup {
     for (std::int32_t j = -1; j <= tile_.high + 1; ++j) {
       for (std::int32_t i = -1; i <= tile_.wide + 1; ++i) {
         const std::size_t n = tile_node(i, j);
-        seen_[n] = x_.seen[at(i)] * y_.seen[at(j)] * (bodies_ ? left[n] : 1.0f);
+        wall_[n] = x_.seen[at(i)] * y_.seen[at(j)];
+        seen_[n] = bodies_ ? std::max(wall_[n] - (1 - left[n]), 0.0f) : wall_[n];
         const bool cell = seen_[n] > kLeastSeen && x_.cell[at(i)] * y_.cell[at(j)] > 0;
         share_[n] = cell ? volume[n] / seen_[n] : 0;
         full_[n] = cell && share_[n] > kFullCell;
@@ -160,15 +152,15 @@ class Setup {
 
   // Of a cell that lies for the most part within bodies too little is seen to say how full it is: its neighbours say it.
   void look_into_bodies() {
-    const float *left = field(S::kSeen), *open_u = field(S::kOpenU), *open_v = field(S::kOpenV);
+    const float *open_u = field(S::kOpenU), *open_v = field(S::kOpenV);
     std::copy_n(share_, kTileFloats, own_);
     for (std::int32_t j = 0; j < tile_.high; ++j) {
       for (std::int32_t i = 0; i < tile_.wide; ++i) {
         const std::size_t n = tile_node(i, j);
-        if (left[n] >= kMostlySolid) continue;
+        if (!is_deep(n)) continue;
         float sum = 0, weights = 0;
         const auto add = [&](std::size_t m, float open) {
-          if (left[m] < kMostlySolid || !(seen_[m] > kLeastSeen) || open < kLeastOpen) return;
+          if (is_deep(m) || !(seen_[m] > kLeastSeen) || open < kLeastOpen) return;
           sum += open * own_[m];
           weights += open;
         };
@@ -182,11 +174,11 @@ class Setup {
   }
   void take_shares() {
     grid_.pull_ring(S::kShare, t_);
-    const float *share = field(S::kShare), *left = field(S::kSeen);
+    const float* share = field(S::kShare);
     for (std::int32_t j = -1; j <= tile_.high + 1; ++j) {
       for (std::int32_t i = -1; i <= tile_.wide + 1; ++i) {
         const std::size_t n = tile_node(i, j);
-        deep_[n] = left[n] < kMostlySolid;
+        deep_[n] = is_deep(n);
         share_[n] = share[n];
         const bool cell = seen_[n] > kLeastSeen && x_.cell[at(i)] * y_.cell[at(j)] > 0;
         full_[n] = cell && share_[n] > kFullCell;
@@ -194,12 +186,14 @@ class Setup {
     }
   }
 
+  bool is_deep(std::size_t n) const { return seen_[n] < kMostlySolid * wall_[n]; }
+
   // The share of a face that bodies leave open.
   float open_u(std::size_t n) { return bodies_ ? opened(field(S::kOpenU)[n], n, n - 1) : 1.0f; }
   float open_v(std::size_t n) { return bodies_ ? opened(field(S::kOpenV)[n], n, n - kTilePitch) : 1.0f; }
   float opened(float share, std::size_t n, std::size_t m) {
-    const float* left = field(S::kSeen);
-    return share < kLeastOpen || left[n] < kLeastSeen || left[m] < kLeastSeen ? 0.0f : share;
+    const auto seen = [&](std::size_t k) { return seen_[k] >= kLeastSeen * wall_[k]; };
+    return share >= kLeastOpen && seen(n) && seen(m) ? share : 0.0f;
   }
 
   // Returns 1 / the way from the middle of the full one of two neighbouring cells to where pressure is zero, in cells. A
@@ -261,7 +255,11 @@ class Setup {
                           wide_ * (upper * flow(sy, v, above) - lower * flow(sy, v, n)));
     float error = field(S::kVolume)[n] / seen_[n] - 1;
     if (field(S::kEdge)[n] != 0) error = std::max(error - kSoft, 0.0f);  // only what is too dense counts at a surface
-    const float uneven = std::clamp(error, -kMostUneven, kMostUneven) * seen_[n] * wide_ * high_;
+    // Too little is seen of a deep cell to mend it.
+    static const float kB = getenv("KB") ? (float)atof(getenv("KB")) : 0.0f;
+    float mended = error;
+    if (bodies_ && wall_[n] - seen_[n] > 1e-3f) mended = error > kB ? error - kB : error < -kB ? error + kB : 0.0f;
+    const float uneven = deep_[n] ? 0.0f : std::clamp(mended, -kMostUneven, kMostUneven) * seen_[n] * wide_ * high_;
     field(S::kRight)[n] = right;
     field(S::kError)[n] = error;
     field(S::kUneven)[n] = uneven;
@@ -280,11 +278,19 @@ class Setup {
   Axis x_, y_;
   float wide_, high_;  // of a cell, m
   bool bodies_;
-  float share_[kTileFloats] = {}, seen_[kTileFloats] = {}, own_[kTileFloats];
+  float share_[kTileFloats] = {}, seen_[kTileFloats] = {}, wall_[kTileFloats], own_[kTileFloats];
   bool full_[kTileFloats], deep_[kTileFloats] = {};
 };
 
 }  // namespace
+
+float kernel_below(float t) {
+  if (t <= -1.5f) return 0;
+  if (t >= 1.5f) return 1;
+  if (t < -0.5f) return (1.5f + t) * (1.5f + t) * (1.5f + t) / 6;
+  if (t <= 0.5f) return 0.5f + 0.75f * t - t * t * t / 3;
+  return 1 - (1.5f - t) * (1.5f - t) * (1.5f - t) / 6;
+}
 
 void find_shares(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
   Setup(grid, tile, space, true).find_shares();

@@ -18,6 +18,9 @@ struct FluidSurvey {
 /// Share of a cell beyond which it counts as full: then it has an equation.
 inline constexpr float kFullCell = 0.5f;
 
+/// The integral of the kernel, a quadratic spline, up to t cells from its middle.
+float kernel_below(float t);
+
 /// Makes the equations of a tile: its links and its diagonal; in kRight what pressure must undo, m^2/s, and in kUneven
 /// what a displacement must, m^2. All tiles have their sums then (fluid_transfer.h).
 /// `bodies`: there are some; they are drawn (fluid_cut.h), and all tiles have their shares.

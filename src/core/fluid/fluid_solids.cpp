@@ -64,7 +64,9 @@ FluidSolid fluid_solid(const ConvexOutline& outline, Vec2 centre, float cell) {
   s.low_y = *std::min_element(s.y, s.y + s.count);
   s.high_y = *std::max_element(s.y, s.y + s.count);
   const float half = width_of(outline) / 2 + s.radius;
-  const bool line = std::max(s.high_x - s.low_x, s.high_y - s.low_y) > cell;
+  const float longest = std::max(s.high_x - s.low_x, s.high_y - s.low_y);
+  const bool line = longest > cell;
+  s.thin = longest > 2 * cell && half < cell;
   ConvexOutline wider = outline;
   if (line && half < kThinnest * cell) {
     s.radius += kThinnest * cell - half;

@@ -19,6 +19,7 @@ struct Place2 {
 struct FluidSolid {
   float x[Hull::kMost] = {}, y[Hull::kMost] = {};  ///< vertices, counter-clockwise
   std::int32_t count = 0;
+  bool thin = false;                            ///< a plate or a line, which separates what is on its two sides
   float radius = 0;                             ///< around the vertices
   float low_x = 0, low_y = 0, high_x = 0, high_y = 0;  ///< its box
   float centre_x = 0, centre_y = 0;             ///< centre of mass of its body
