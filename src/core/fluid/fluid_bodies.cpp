@@ -245,20 +245,6 @@ void FluidBodies::bear(FluidGrid& grid, std::size_t pressure, double dt) {
   add_until(~0u);
 }
 
-void FluidBodies::make_room(FluidGrid& grid, std::size_t displacement) {
-  if (!moving_) return;
-  sum_rows(grid, displacement);
-  for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const Sum& sum = sums_[k];
-    const FluidBody& b = bodies_[k];
-    if (!(b.inv_mass > 0) || (sum.x == 0 && sum.y == 0 && sum.turn == 0)) continue;
-    auto at = std::ranges::lower_bound(forces_, b.id, {}, &FluidForce::id);
-    if (at == forces_.end() || at->id != b.id) at = forces_.insert(at, FluidForce{b.id, b.generation});
-    at->shift = density_ * b.inv_mass * Vec2{sum.x, sum.y};
-    at->turn = density_ * b.inv_inertia * sum.turn;
-  }
-}
-
 void FluidBodies::clear() {
   around_.clear();
   solids_.clear();

@@ -35,8 +35,6 @@ struct FluidForce {
   double torque = 0;          ///< N m, about the centre of mass
   Vec2 impulse = {};          ///< N s: what the step did not know of
   double spin_impulse = 0;    ///< N m s
-  Vec2 shift = {};            ///< m: how far it makes room where the density is uneven
-  double turn = 0;            ///< rad
 };
 
 /// Who tells a fluid of the bodies around it.
@@ -104,8 +102,6 @@ class FluidBodies : public SolverRows {
   bool any_moving() const { return moving_; }
   /// Finds forces from the pressure that was found. After look().
   void bear(FluidGrid& grid, std::size_t pressure, double dt);
-  /// Finds how far bodies make room, from the displacement that was found. After bear().
-  void make_room(FluidGrid& grid, std::size_t displacement);
   const std::vector<FluidForce>& forces() const { return forces_; }
 
   void clear();

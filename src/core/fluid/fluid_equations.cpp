@@ -18,9 +18,9 @@ constexpr float kLeastSeen = 0.02f;  // a cell whose kernel sees less that is op
 constexpr float kMostlySolid = 0.4f;  // a cell whose kernel sees less that bodies leave open is as full as its neighbours
 constexpr float kLeastOpen = 0.01f;   // a face of which bodies leave less is closed
 constexpr float kSolidSeen = 0.3f;   // and one that sees less than this is no surface for its neighbours
-constexpr float kSoft = 0.05f;       // at a surface cells may be overfull by so much
 constexpr float kMostUneven = 0.5f;  // errors of the density are mended in steps of this
-constexpr float kLeastWay = 0.1f;    // from the middle of a cell to a surface, cells
+constexpr float kLeastWay = 0.1f, kMostWay = 1.25f;  // from the middle of a full cell to a surface, cells
+constexpr float kLeastFall = 0.25f;                  // of the depth from a full cell to one that is not
 
 // How far the middle of a cell lies within a flat surface, cells, by the share of fluid that its kernel sees.
 class Depth {
@@ -201,9 +201,8 @@ class Setup {
   float slope(std::size_t n, std::size_t m) const {
     static const Depth depth;
     if (full_[n] == full_[m]) return 1;
-    const float in = std::max(depth(full_[n] ? share_[n] : share_[m]), 1e-3f);
-    const float out = std::min(depth(full_[n] ? share_[m] : share_[n]), -1e-3f);
-    return 1 / std::clamp(in / (in - out), kLeastWay, 1.0f);
+    const float in = depth(full_[n] ? share_[n] : share_[m]), out = depth(full_[n] ? share_[m] : share_[n]);
+    return 1 / std::clamp(in / (in - std::min(out, in - kLeastFall)), kLeastWay, kMostWay);
   }
 
   void find_links() {
@@ -254,12 +253,10 @@ class Setup {
     const float right = -(high_ * (right_open * flow(sx, u, right_of) - left * flow(sx, u, n)) +
                           wide_ * (upper * flow(sy, v, above) - lower * flow(sy, v, n)));
     float error = field(S::kVolume)[n] / seen_[n] - 1;
-    if (field(S::kEdge)[n] != 0) error = std::max(error - kSoft, 0.0f);  // only what is too dense counts at a surface
+    if (field(S::kEdge)[n] != 0) error = std::max(error, 0.0f);  // only what is too dense counts at a surface
     // Too little is seen of a deep cell to mend it.
-    static const float kB = getenv("KB") ? (float)atof(getenv("KB")) : 0.0f;
-    float mended = error;
-    if (bodies_ && wall_[n] - seen_[n] > 1e-3f) mended = error > kB ? error - kB : error < -kB ? error + kB : 0.0f;
-    const float uneven = deep_[n] ? 0.0f : std::clamp(mended, -kMostUneven, kMostUneven) * seen_[n] * wide_ * high_;
+    const float uneven =
+        deep_[n] ? 0.0f : std::clamp(error, -kMostUneven, kMostUneven) * seen_[n] * wide_ * high_;
     field(S::kRight)[n] = right;
     field(S::kError)[n] = error;
     field(S::kUneven)[n] = uneven;

@@ -16,7 +16,7 @@ struct FluidSurvey {
 };
 
 /// Share of a cell beyond which it counts as full: then it has an equation.
-inline constexpr float kFullCell = 0.5f;
+inline constexpr float kFullCell = 0.575f;
 
 /// The integral of the kernel, a quadratic spline, up to t cells from its middle.
 float kernel_below(float t);

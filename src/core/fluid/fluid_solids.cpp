@@ -83,35 +83,30 @@ FluidSolid fluid_solid(const ConvexOutline& outline, Vec2 centre, float cell) {
 }
 
 float FluidSolid::distance(Place2 at, Place2& out) const {
-  if (count == 1) {
-    out = {at.x - x[0], at.y - y[0]};
-  } else {
-    float deepest = -HUGE_VALF, nearest = HUGE_VALF;
-    Place2 inner, way;
-    for (std::int32_t k = 0; k < count; ++k) {
-      const std::int32_t next = k + 1 < count ? k + 1 : 0;
-      const Place2 n = normal_of(*this, k, next), w = way_from_edge(*this, k, next, at);
-      const float of = length(n);
-      const auto a = static_cast<std::size_t>(k);
-      const float d = of > 0 ? ((at.x - x[a]) * n.x + (at.y - y[a]) * n.y) / of : -HUGE_VALF;
-      if (d > deepest) {
-        deepest = d;
-        inner = {n.x / of, n.y / of};
-      }
-      if (const float l = length(w); l < nearest) {
-        nearest = l;
-        way = w;
-      }
+  Place2 way{at.x - x[0], at.y - y[0]}, side{0, 1};
+  float nearest = HUGE_VALF, farthest = -HUGE_VALF;  // of the edges, and of the lines that they lie on
+  for (std::int32_t k = 0; k < count && count > 1; ++k) {
+    const std::int32_t next = k + 1 < count ? k + 1 : 0;
+    const Place2 n = normal_of(*this, k, next), w = way_from_edge(*this, k, next, at);
+    const auto a = static_cast<std::size_t>(k);
+    const float of = length(n), line = of > 0 ? ((at.x - x[a]) * n.x + (at.y - y[a]) * n.y) / of : -HUGE_VALF;
+    if (line > farthest) {
+      farthest = line;
+      side = {n.x / of, n.y / of};
     }
-    if (deepest < 0 && count > 2) {
-      out = inner;
-      return deepest - radius;
+    if (const float l = length(w); l < nearest) {
+      nearest = l;
+      way = w;
     }
-    out = nearest > 0 ? way : inner;
   }
-  const float l = length(out);
-  out = l > 0 ? Place2{out.x / l, out.y / l} : Place2{0, 1};
-  return (count == 1 || l > 1e-20f ? l : 0.0f) - radius;
+  if (count == 1) nearest = length(way);
+  // Within, and beside an edge, the line tells the distance. Else it is that from a corner, or from the end of a line.
+  if (count > 1 && (farthest >= 0.999f * nearest || (count > 2 && farthest < 0))) {
+    out = side;
+    return farthest - radius;
+  }
+  out = nearest > 0 ? Place2{way.x / nearest, way.y / nearest} : side;
+  return nearest - radius;
 }
 
 // The integral of the part of a box that a line has swept, by the two ways across it.

@@ -18,8 +18,9 @@ struct Viscosity {
 
 /// Makes the equations of a tile for one component; kEven begins with the present velocity, which is the right side
 /// (kUneven), too. Returns the largest speed, m/s. make_equations() was called for all tiles.
+/// `bodies`: there are some, which hold what touches them.
 float make_viscous_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& space, const Viscosity& by,
-                             Component of);
+                             Component of, bool bodies);
 /// Changes the velocity of a tile's faces by what was found in kEven, and keeps the change in kDragU or kDragV.
 void drag_faces(FluidGrid& grid, std::size_t tile, const Viscosity& by, Component of);
 

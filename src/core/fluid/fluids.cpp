@@ -21,9 +21,8 @@ using S = FluidSolver;
 namespace {
 
 // How particles take part (docs/decisions/036-fluids.md).
-static float env_(const char* n, float d) { const char* v = getenv(n); return v ? (float)atof(v) : d; }
-static const float kHistory = env_("H", 1.0f / 3), kCalming = env_("C", 0.05f), kSpreading = env_("S", 0.2f);
-static const float kEvenShare = env_("E", 1.0f);
+constexpr float kHistory = 1.0f / 3, kCalming = 0.05f, kSpreading = 0.2f;
+constexpr float kFullStrain = 0.1f;  // of a step: with less, particles spread less, so that water at rest stays at rest
 // What is left of the equations' right sides is at most this share of the largest.
 constexpr float kPressureTolerance = 1e-4f, kEvenTolerance = 1e-2f, kDragTolerance = 1e-5f;
 constexpr int kMostIterations = 100;
@@ -77,7 +76,7 @@ void Fluids::step(double dt, Vec2 gravity, const SolidFinder* finder) {
              kHistory,
              kCalming,
              kSpreading,
-             env_("R", 20),
+             1 / kFullStrain,
              f(space_.cell_x),
              f(space_.cell_y),
              f(1 / space_.cell_x),
@@ -98,7 +97,6 @@ void Fluids::step(double dt, Vec2 gravity, const SolidFinder* finder) {
   if (viscosity_ > 0) drag();
   solve();
   bodies_.bear(grid, S::kPressure, dt);
-  if (getenv("NB") == nullptr) bodies_.make_room(grid, S::kEven);
   move_with_grid();
 }
 
@@ -165,7 +163,7 @@ void Fluids::drag() {
   solver_.each_tile([&](std::size_t t) { make_equations(grid, t, space_, bodies_.any()); });
   largest_.resize(grid.size());
   for (const Component of : {Component::u, Component::v}) {
-    solver_.each_tile([&](std::size_t t) { largest_[t] = make_viscous_equations(grid, t, space_, by, of); });
+    solver_.each_tile([&](std::size_t t) { largest_[t] = make_viscous_equations(grid, t, space_, by, of, bodies_.any()); });
     solver_.coarsen(space_);
     solver_.solve(S::kEven, S::kUneven, kDragTolerance * *std::max_element(largest_.begin(), largest_.end()),
                   kMostIterations);
@@ -200,9 +198,7 @@ void Fluids::solve() {
   solver_.coarsen(space_);
   const int first = solver_.solve(S::kPressure, S::kRight, kPressureTolerance * all.largest, kMostIterations,
                                   bodies_.any_moving() ? &bodies_ : nullptr);
-  if (kEvenShare != 1) solver_.each_tile([&](std::size_t t){ float* u = grid.field(S::kUneven, t); for (std::size_t n = 0; n < kTileFloats; ++n) u[n] *= kEvenShare; });
-  const int second = solver_.solve(S::kEven, S::kUneven, kEvenTolerance * all.largest_even, kMostIterations,
-                                   bodies_.any_moving() && getenv("NB") == nullptr ? &bodies_ : nullptr);
+  const int second = solver_.solve(S::kEven, S::kUneven, kEvenTolerance * all.largest_even, kMostIterations);
   iterations_ = static_cast<std::uint32_t>(first + second);
 }
 

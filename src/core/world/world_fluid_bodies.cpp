@@ -83,11 +83,6 @@ void push_by_fluids(Owners& w) {
       if (std::isfinite(u)) w.bodies.put_rim_speed(slot, u);
     }
     add_force(w, id, f.force, f.torque);
-    LatticePoint at = w.bodies.point(slot);
-    at.dx += static_cast<float>(f.shift.x);
-    at.dy += static_cast<float>(f.shift.y);
-    w.bodies.put_point(slot, at);
-    if (!w.bodies.angle.empty()) w.bodies.angle[slot] += f.turn;
   }
 }
 
