@@ -12,9 +12,9 @@ using S = FluidSolver;
 
 namespace {
 
-constexpr float kApartFromShapes = 0.125f;       // cells: particles keep so far from shapes
-constexpr float kMostWayOut = 1.5f;    // cells: a particle within a shape goes out by so much in a step
-constexpr int kMostStops = 3;          // in a corner of several shapes
+constexpr float kApartFromShapes = 0.125f;  // cells: particles keep so far from shapes
+constexpr float kMostWayOut = 1.5f;         // cells: a particle within a shape goes out by so much in a step
+constexpr int kMostStops = 3;               // in a corner of several shapes
 
 bool by_body(const FluidSolid& a, const FluidSolid& b) {
   return a.body != b.body ? a.body < b.body : a.order < b.order;
@@ -121,8 +121,8 @@ bool FluidBodies::keep_out(std::span<const FluidSolid> solids, Place2 from, floa
     bool again = false;
     for (const FluidSolid& solid : solids) {
       const Place2 moves = speed_at(solid, from);
-      const Stop stop =
-          stop_at(solid, {from.x + dt * moves.x, from.y + dt * moves.y}, at, kApartFromShapes * cell, kMostWayOut * cell);
+      const Stop stop = stop_at(solid, {from.x + dt * moves.x, from.y + dt * moves.y}, at, kApartFromShapes * cell,
+                                kMostWayOut * cell);
       if (!stop.stopped) continue;
       at = stop.at;
       const Place2 there = speed_at(solid, at);

@@ -31,10 +31,10 @@ struct FluidBody {
 /// What fluids do to a body.
 struct FluidForce {
   std::uint32_t id = 0, generation = 0;
-  Vec2 force = {};            ///< N: mean of the last step
-  double torque = 0;          ///< N m, about the centre of mass
-  Vec2 impulse = {};          ///< N s: what the step did not know of
-  double spin_impulse = 0;    ///< N m s
+  Vec2 force = {};          ///< N: mean of the last step
+  double torque = 0;        ///< N m, about the centre of mass
+  Vec2 impulse = {};        ///< N s: what the step did not know of
+  double spin_impulse = 0;  ///< N m s
 };
 
 /// Who tells a fluid of the bodies around it.

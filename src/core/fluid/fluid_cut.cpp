@@ -14,8 +14,8 @@ using S = FluidSolver;
 
 namespace {
 
-constexpr float kSmall = 8;     // squares: the area of a shape that is no wider is made right
-constexpr float kTiny = 1.5f;   // squares: a shape that is no wider is spread over nine of them
+constexpr float kSmall = 8;    // squares: the area of a shape that is no wider is made right
+constexpr float kTiny = 1.5f;  // squares: a shape that is no wider is spread over nine of them
 constexpr float kTurnsAway = -0.1f;
 
 float spline(float t) {
@@ -102,7 +102,7 @@ void FluidCut::cover(std::uint32_t k) {
     for (std::int32_t a = std::max(a0, kFirst); a <= std::min(a1, kFirst + kSide - 1); ++a) {
       Place2 out;
       const float d = s.distance(middle_of(a, b), out), share = right * share_at(d, out);
-      kernel_[square(a, b)] += right * kernel_below(-d / half);
+      kernel_[square(a, b)] += right * (1 - share_below(d / half, 1));
       if (!(share > 0)) continue;
       covers_.push_back({k, a, b, share});
       total_[square(a, b)] += share;
@@ -113,7 +113,7 @@ void FluidCut::cover(std::uint32_t k) {
 // What lies beyond walls counts as theirs.
 void FluidCut::end_at_walls() {
   if (space_.boundary != Boundary::walls) return;
-  constexpr float kNext = 1.0f / 6;  // of what lies within the walls, the next square beyond sees so much at most
+  constexpr float kNext = 0.125f;  // of what lies within the walls, the next square beyond sees so much at most
   const auto beyond = [](std::int32_t first, std::int32_t k, float wide) {
     const float middle = (static_cast<float>(2 * kernels::kTile * first + k) + 0.5f) / 2;
     return std::max(1 - middle, middle - (1 + wide));  // cells
@@ -202,7 +202,8 @@ void FluidCut::see() {
     for (std::int32_t i = 0; i < tile_.wide; ++i) {
       float solid = 0;
       for (std::int32_t b = 0; b < 4; ++b) {
-        for (std::int32_t a = 0; a < 4; ++a) solid += kParts[a] * kParts[b] * kernel_[square(2 * i + a - 1, 2 * j + b - 1)];
+        for (std::int32_t a = 0; a < 4; ++a)
+          solid += kParts[a] * kParts[b] * kernel_[square(2 * i + a - 1, 2 * j + b - 1)];
       }
       seen[tile_node(i, j)] = 1 - solid;
     }

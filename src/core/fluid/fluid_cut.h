@@ -15,7 +15,8 @@ class FluidCut {
   void run();
 
  private:
-  static constexpr std::int32_t kFirst = -3, kSide = 38;  // squares of a tile and around it: kFirst to kFirst + kSide - 1
+  static constexpr std::int32_t kFirst = -3,
+                                kSide = 38;  // squares of a tile and around it: kFirst to kFirst + kSide - 1
   static constexpr float kFar = 1e30f;
 
   struct Cover {
@@ -58,7 +59,7 @@ class FluidCut {
   const FluidSpace& space_;
   FluidBodies& bodies_;
   std::span<FluidSolid> solids_;
-  float side_x_, side_y_;  // of a square, m
+  float side_x_, side_y_;                      // of a square, m
   std::array<float, kSide * kSide> total_{};   // the share of a square that is solid
   std::array<float, kSide * kSide> kernel_{};  // what a kernel of squares sees there that is solid
   std::vector<Cover> covers_;

@@ -15,8 +15,9 @@ using S = FluidSolver;
 namespace {
 
 constexpr float kLeastSeen = 0.02f;  // a cell whose kernel sees less that is open is none
-constexpr float kMostlySolid = 0.4f;  // a cell whose kernel sees less that bodies leave open is as full as its neighbours
-constexpr float kLeastOpen = 0.01f;   // a face of which bodies leave less is closed
+constexpr float kMostlySolid =
+    0.4f;  // a cell whose kernel sees less that bodies leave open is as full as its neighbours
+constexpr float kLeastOpen = 0.01f;  // a face of which bodies leave less is closed
 constexpr float kSolidSeen = 0.3f;   // and one that sees less than this is no surface for its neighbours
 constexpr float kMostUneven = 0.5f;  // errors of the density are mended in steps of this
 constexpr float kLeastWay = 0.1f, kMostWay = 1.25f;  // from the middle of a full cell to a surface, cells
@@ -30,7 +31,7 @@ class Depth {
       float low = -1.5f, high = 1.5f;
       for (int i = 0; i < 40; ++i) {
         const float middle = (low + high) / 2;
-        (kernel_below(middle) * kSteps < static_cast<float>(k) ? low : high) = middle;
+        (share_below(middle, 2) * kSteps < static_cast<float>(k) ? low : high) = middle;
       }
       at_[k] = low;
     }
@@ -59,7 +60,9 @@ struct Open {
   }
   // Returns how much of the kernel at a place lies between the walls. Its cells are `width` wide.
   float seen(float middle, float width) const {
-    return wide == 0 ? 1 : kernel_below((end - middle) / width) - kernel_below((1 - middle) / width);
+    if (wide == 0) return 1;
+    const float spacings = 2 * width;
+    return share_below((end - middle) / width, spacings) + share_below((middle - 1) / width, spacings) - 1;
   }
 };
 
@@ -255,8 +258,7 @@ class Setup {
     float error = field(S::kVolume)[n] / seen_[n] - 1;
     if (field(S::kEdge)[n] != 0) error = std::max(error, 0.0f);  // only what is too dense counts at a surface
     // Too little is seen of a deep cell to mend it.
-    const float uneven =
-        deep_[n] ? 0.0f : std::clamp(error, -kMostUneven, kMostUneven) * seen_[n] * wide_ * high_;
+    const float uneven = deep_[n] ? 0.0f : std::clamp(error, -kMostUneven, kMostUneven) * seen_[n] * wide_ * high_;
     field(S::kRight)[n] = right;
     field(S::kError)[n] = error;
     field(S::kUneven)[n] = uneven;
@@ -281,12 +283,15 @@ class Setup {
 
 }  // namespace
 
-float kernel_below(float t) {
-  if (t <= -1.5f) return 0;
-  if (t >= 1.5f) return 1;
-  if (t < -0.5f) return (1.5f + t) * (1.5f + t) * (1.5f + t) / 6;
-  if (t <= 0.5f) return 0.5f + 0.75f * t - t * t * t / 3;
-  return 1 - (1.5f - t) * (1.5f - t) * (1.5f - t) / 6;
+float share_below(float t, float spacings) {
+  const auto kernel = [](float d) {
+    d = std::fabs(d);
+    return d < 0.5f ? 0.75f - d * d : d < 1.5f ? 0.5f * (1.5f - d) * (1.5f - d) : 0.0f;
+  };
+  if (t >= 2) return 1;
+  float share = 0;
+  for (int k = 0; k < 8; ++k) share += kernel(t - (0.5f + static_cast<float>(k)) / spacings);
+  return share / spacings;
 }
 
 void find_shares(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
@@ -398,7 +403,9 @@ void find_slip(FluidGrid& grid, std::size_t tile) {
         const float gy = ((seen[n + other] + seen[n - one + other]) - (seen[n - other] + seen[n - one - other])) / 4;
         const float steep = gx * gx + gy * gy;
         if (!(steep > 1e-4f)) continue;
-        const auto mean = [&](const float* a) { return ((a[n] + a[n - one]) + (a[n + other] + a[n - one + other])) / 4; };
+        const auto mean = [&](const float* a) {
+          return ((a[n] + a[n - one]) + (a[n + other] + a[n - one + other])) / 4;
+        };
         found[n] -= gx * (gx * (along[n] - body[n]) + gy * (mean(across) - mean(body_across))) / steep;
       }
     }

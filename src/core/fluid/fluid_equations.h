@@ -18,8 +18,9 @@ struct FluidSurvey {
 /// Share of a cell beyond which it counts as full: then it has an equation.
 inline constexpr float kFullCell = 0.575f;
 
-/// The integral of the kernel, a quadratic spline, up to t cells from its middle.
-float kernel_below(float t);
+/// What a kernel sees of water whose flat surface is t kernel widths above its middle: the sum over rows of particles, the
+/// first of which lies half a spacing below the surface. A kernel is `spacings` wide: 2 that of a cell.
+float share_below(float t, float spacings);
 
 /// Makes the equations of a tile: its links and its diagonal; in kRight what pressure must undo, m^2/s, and in kUneven
 /// what a displacement must, m^2. All tiles have their sums then (fluid_transfer.h).

@@ -137,7 +137,8 @@ float enter(const FluidSolid& solid, Place2 from, Place2 u, float length, float 
 }  // namespace
 
 Stop stop_at(const FluidSolid& solid, Place2 from, Place2 to, float apart, float most) {
-  const Place2 low{std::min(from.x, to.x), std::min(from.y, to.y)}, high{std::max(from.x, to.x), std::max(from.y, to.y)};
+  const Place2 low{std::min(from.x, to.x), std::min(from.y, to.y)},
+      high{std::max(from.x, to.x), std::max(from.y, to.y)};
   if (high.x < solid.low_x - apart || low.x > solid.high_x + apart || high.y < solid.low_y - apart ||
       low.y > solid.high_y + apart) {
     return {};

@@ -19,13 +19,13 @@ struct Place2 {
 struct FluidSolid {
   float x[Hull::kMost] = {}, y[Hull::kMost] = {};  ///< vertices, counter-clockwise
   std::int32_t count = 0;
-  bool thin = false;                            ///< a plate or a line, which separates what is on its two sides
-  float radius = 0;                             ///< around the vertices
+  bool thin = false;                                   ///< a plate or a line, which separates what is on its two sides
+  float radius = 0;                                    ///< around the vertices
   float low_x = 0, low_y = 0, high_x = 0, high_y = 0;  ///< its box
-  float centre_x = 0, centre_y = 0;             ///< centre of mass of its body
-  float area = 0;                               ///< m^2
-  std::uint32_t body = 0;                       ///< id, then its number in FluidBodies
-  std::uint32_t order = 0;                      ///< among the shapes of its body
+  float centre_x = 0, centre_y = 0;                    ///< centre of mass of its body
+  float area = 0;                                      ///< m^2
+  std::uint32_t body = 0;                              ///< id, then its number in FluidBodies
+  std::uint32_t order = 0;                             ///< among the shapes of its body
 
   /// Returns how far a point is from the surface, negative within; `out` points out of the shape and has length 1.
   float distance(Place2 at, Place2& out) const;

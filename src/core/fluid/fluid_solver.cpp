@@ -159,7 +159,8 @@ int FluidSolver::solve(Field x, Field right, float tolerance, int most, SolverRo
   if (rows != nullptr) rows->apply(g, x, kChange);
   // A pass of its own, since it writes what neighbours have just read.
   each(g, [&](std::size_t t) {
-    most_[t] = kernels_.advance_fluid(first, g.field(kWay, t), g.field(kChange, t), g.field(x, t), g.field(kResidual, t));
+    most_[t] =
+        kernels_.advance_fluid(first, g.field(kWay, t), g.field(kChange, t), g.field(x, t), g.field(kResidual, t));
   });
   double before = 0;
   for (int k = 0;; ++k) {

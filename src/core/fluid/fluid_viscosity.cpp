@@ -31,8 +31,8 @@ double Viscosity::theta() const {
   return stiffest <= 2 ? 0.5 : 1 - 1 / stiffest;
 }
 
-float make_viscous_equations(FluidGrid& grid, std::size_t t, const FluidSpace& space, const Viscosity& by,
-                             Component of, bool bodies) {
+float make_viscous_equations(FluidGrid& grid, std::size_t t, const FluidSpace& space, const Viscosity& by, Component of,
+                             bool bodies) {
   const Names names = names_of(of);
   for (const S::Field f : {names.valid, names.slope}) grid.pull_cross(f, t);
   for (const S::Field f : {names.open, names.solid}) {

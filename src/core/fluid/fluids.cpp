@@ -22,7 +22,8 @@ namespace {
 
 // How particles take part (docs/decisions/036-fluids.md).
 constexpr float kHistory = 1.0f / 3, kCalming = 0.05f, kSpreading = 0.2f;
-constexpr float kFullStrain = 0.1f;  // of a step: with less, particles spread less, so that water at rest stays at rest
+constexpr float kFullStrain =
+    0.05f;  // of a step: with less, particles spread less, so that water at rest stays at rest
 // What is left of the equations' right sides is at most this share of the largest.
 constexpr float kPressureTolerance = 1e-4f, kEvenTolerance = 1e-2f, kDragTolerance = 1e-5f;
 constexpr int kMostIterations = 100;
@@ -163,7 +164,8 @@ void Fluids::drag() {
   solver_.each_tile([&](std::size_t t) { make_equations(grid, t, space_, bodies_.any()); });
   largest_.resize(grid.size());
   for (const Component of : {Component::u, Component::v}) {
-    solver_.each_tile([&](std::size_t t) { largest_[t] = make_viscous_equations(grid, t, space_, by, of, bodies_.any()); });
+    solver_.each_tile(
+        [&](std::size_t t) { largest_[t] = make_viscous_equations(grid, t, space_, by, of, bodies_.any()); });
     solver_.coarsen(space_);
     solver_.solve(S::kEven, S::kUneven, kDragTolerance * *std::max_element(largest_.begin(), largest_.end()),
                   kMostIterations);

@@ -66,7 +66,8 @@ void FluidBodies::describe(Archive& a) {
   if (!a.loading()) return;
   for (std::size_t k = 0; k < forces_.size(); ++k) {
     a.require(k == 0 || forces_[k - 1].id < forces_[k].id);
-    a.require(std::isfinite(forces_[k].force.x) && std::isfinite(forces_[k].force.y) && std::isfinite(forces_[k].torque));
+    a.require(std::isfinite(forces_[k].force.x) && std::isfinite(forces_[k].force.y) &&
+              std::isfinite(forces_[k].torque));
   }
 }
 

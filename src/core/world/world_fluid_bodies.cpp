@@ -24,7 +24,10 @@ class WorldSolids : public SolidFinder {
         if (to.x + r < low.x || to.y + r < low.y || to.x - r > high.x || to.y - r > high.y || !meets(item)) return;
         const QueryPiece* piece = item.piece == QueryIndex::kDisc ? nullptr : &part.pieces[item.piece];
         const bool hull = piece != nullptr && piece->kind == QueryPiece::kHull;
-        out.push_back({item.body, piece == nullptr ? item.part : hull ? piece->hull : item.piece,
+        out.push_back({item.body,
+                       piece == nullptr ? item.part
+                       : hull           ? piece->hull
+                                        : item.piece,
                        QueryIndex::outline(world_, part, item, to), hull ? to + piece->at : to});
       });
     };
