@@ -85,7 +85,7 @@ std::uint32_t JointStore::cycles_needed(double h, bool fresh) const {
   const double turn = h * h * largest_load();
   if (!(turn > kMostSwing) || !swept_at_centres()) return 1;
   std::uint32_t n = 2;
-  while (n < JointCycles::kMost && n * n * kFineSwing < turn && 2 * n * work_blocks() <= kMostInCycles) n *= 2;
+  while (n < JointCycles::kMost && n * n * kFineSwing < turn && (n + 2) * work_blocks() <= kMostInCycles) n += 2;
   return n;
 }
 

@@ -282,8 +282,9 @@ void JointStore::set_articulations(bool calm) {
   articulations_.prepare(h_, calm);
 }
 
-// A pass sweeps as often as a frame can afford.
+// A pass sweeps as often as a frame can afford. More cycles do more than more sweeps.
 int JointStore::sweeps() const {
+  if (cycles_.on()) return kLeastSweeps;
   const std::uint32_t blocks = work_blocks();
   const std::uint32_t many = tethers_.empty() ? kMany : kManyOfNets;
   return blocks <= kFew ? kMostSweeps : blocks <= many ? kMostSweeps / 2 : kLeastSweeps;
