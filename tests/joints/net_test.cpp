@@ -116,7 +116,7 @@ TEST(Net, UnderALargeLoadItsLinksHardlyStretch) {
     net.run(420);
     for (int quarter = 0; quarter < 4; ++quarter) {
       net.run(15);
-      EXPECT_LT(net.stretch(), 0.02) << "slack " << slack;
+      EXPECT_LT(net.stretch(), 0.03) << "slack " << slack;
     }
   }
 }

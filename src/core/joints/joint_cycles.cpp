@@ -18,7 +18,7 @@ namespace {
 
 // h^2 T w / L of a link of length L with the tension T and inverse masses w: the square of the angle by which it swings
 // on in h. Above kMostSwing there are cycles, and as many that kFineSwing is left.
-constexpr double kMostSwing = 0.1, kFineSwing = 0.05;
+constexpr double kMostSwing = 0.1, kFineSwing = 0.04;
 constexpr std::uint32_t kMostInCycles = 32768;  // of joints in all cycles of a substep, as long as there are two
 constexpr std::size_t kBodiesOfJob = 512;       // bodies of a job
 constexpr std::size_t kBlocksOfJob = 64;        // blocks of a job

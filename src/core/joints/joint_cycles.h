@@ -23,7 +23,7 @@ struct JointCycles {
         rim_speed0(memory),
         linked(memory) {}
 
-  static constexpr std::uint32_t kMost = 10;
+  static constexpr std::uint32_t kMost = 12;
 
   std::uint32_t count = 1;   ///< cycles of a substep; 1: the sweeps work on the bodies of the solver
   std::uint32_t blocks = 0;  ///< of the columns; one more block has the resting records
