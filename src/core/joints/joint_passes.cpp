@@ -46,7 +46,7 @@ void JointStore::part(const kernels::BodyView& view) {
   shares_.run(s_.pool, [&](const ListRange& r) { s_.kernels.part_joints(view, share(), r.begin, r.end); });
 }
 
-void JointStore::warm(const kernels::BodyView& view, float factor) {
+void JointStore::warm_sweeps(const kernels::BodyView& view, float factor) {
   shares_.run(s_.pool, [&](const ListRange& r) {
     clear(share().vel, share().rim_speed, r.begin, r.end);
     s_.kernels.part_joints(view, share(), r.begin, r.end);
@@ -57,7 +57,15 @@ void JointStore::warm(const kernels::BodyView& view, float factor) {
   linkages_.warm(view, params_, s_.pool);
 }
 
-void JointStore::solve(const kernels::BodyView& view, float drift, float smooth_limit2) {
+// Cycles start warm by themselves.
+void JointStore::warm(const kernels::BodyView& view, float factor) {
+  cycles_.warm = factor;
+  if (cycles_.on()) return;
+  warm_sweeps(view, factor * cycles_.scale);
+  cycles_.scale = 1;
+}
+
+void JointStore::solve_sweeps(const kernels::BodyView& view) {
   if (!parted_) part(view);
   parted_ = false;
   sweep_all(view, s_.kernels.solve_joints, &Linkages::solve, false);
@@ -72,21 +80,37 @@ void JointStore::solve(const kernels::BodyView& view, float drift, float smooth_
     sweep(pushed, s_.kernels.push_joints, params_, (n & 1) != 0, false);
     linkages_.push(pushed, params_, (n & 1) != 0, s_.pool);
   }
+}
+
+void JointStore::solve(const kernels::BodyView& view, float drift, float smooth_limit2) {
+  if (cycles_.on()) {
+    run_cycles(view, drift, smooth_limit2);
+  } else {
+    solve_sweeps(view);
+  }
   articulations_.solve(view, static_cast<double>(drift), static_cast<double>(smooth_limit2), s_.pool);
 }
 
-void JointStore::hold(const kernels::BodyView& view, const kernels::StreamParams& drift) {
+void JointStore::hold_sweeps(const kernels::BodyView& view, const kernels::StreamParams& drift) {
   shares_.run(s_.pool, [&](const ListRange& r) { s_.kernels.hold_joints(view, share(), drift, r.begin, r.end); });
 }
 
-void JointStore::let_go(const kernels::BodyView& view) {
+void JointStore::let_go_sweeps(const kernels::BodyView& view) {
   shares_.run(s_.pool, [&](const ListRange& r) { s_.kernels.let_go_joints(view, share(), r.begin, r.end); });
 }
 
-void JointStore::relax(const kernels::BodyView& view) {
+void JointStore::relax_sweeps(const kernels::BodyView& view) {
   part(view);
   sweep_all(view, s_.kernels.relax_joints, &Linkages::relax, true);
   part(view);
+}
+
+void JointStore::relax(const kernels::BodyView& view) {
+  if (cycles_.on()) {
+    leave_cycles(view);
+  } else {
+    relax_sweeps(view);
+  }
   articulations_.finish(view, s_.bodies.angle.data(), s_.pool);
   if (!fragile_.empty()) add_loads();
 }

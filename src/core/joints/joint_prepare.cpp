@@ -101,6 +101,7 @@ void JointStore::find_members(const std::vector<FixedBody>& fixed, const SolverB
     JointMember& m = members_[n];  // in place: a copy would wait for what was just written
     m = {};
     m.number = solved.dummies();
+    m.rests = true;
     if (is_world(id)) return;
     const std::uint32_t slot = b.info[id].slot;
     const BodyKind& kind = b.kind(id);
@@ -112,6 +113,7 @@ void JointStore::find_members(const std::vector<FixedBody>& fixed, const SolverB
       m.centre = {kind.centre_x, kind.centre_y};
       m.inverse_radius = 1 / static_cast<double>(b.radius[slot]);
       m.number = solved.number(slot);
+      m.rests = false;
     } else {
       const FixedBody& f = fixed[slot];
       m.at = s_.lattice.to_lattice({f.x, f.y});
@@ -122,12 +124,11 @@ void JointStore::find_members(const std::vector<FixedBody>& fixed, const SolverB
 }
 
 // Finds the blocks of bodies that have joints. What the joints did is summed for these alone.
-void JointStore::find_shares(const SolverBodies& solved) {
-  const std::uint32_t body_blocks = solved.blocks();
+void JointStore::find_shares(std::uint32_t body_blocks) {
   marks_.assign(body_blocks, 0);
   for (std::size_t n = 0; n < members_.size(); ++n) {
-    const std::uint32_t number = members_[n].number;
-    if (swept_[n] != 0 && number < solved.dummies()) marks_[number / kBlock] = 1;
+    const std::uint32_t number = members_[n].swept;
+    if (swept_[n] != 0 && !members_[n].rests) marks_[number / kBlock] = 1;
   }
   shares_.clear();
   std::vector<ListRange>& ranges = shares_.ranges;
@@ -157,8 +158,8 @@ void JointStore::find_shares(const SolverBodies& solved) {
 
 // Sweeps do not follow springs that are stiffer: of nets they would gain energy.
 SpringRow JointStore::spring_of(double stiffness, double damping, double mass, std::uint32_t crowd) const {
-  const double most = kStiffest * mass / h_;
-  return spring_row(lesser(acting_ * stiffness, most / h_), lesser(acting_ * damping, most), mass, h_, crowd);
+  const double h = h_ / cycles_.count, most = kStiffest * mass / h;
+  return spring_row(lesser(acting_ * stiffness, most / h), lesser(acting_ * damping, most), mass, h, crowd);
 }
 
 // Fills the bodies of a lane and the arms to its anchors. Returns the vector from the anchor of A to that of B, without
@@ -168,8 +169,8 @@ inline Vec2 JointStore::fill_arms(Block& at, std::uint32_t k, const Ends& ends) 
   std::optional<JointMember> world;
   const JointMember& ma = side_at(ends.body[0], ends.anchor[0], world);
   const JointMember& mb = members_[ends.body[1]];
-  at.body[2 * k] = ma.number;
-  at.body[2 * k + 1] = mb.number;
+  at.body[2 * k] = ma.swept;
+  at.body[2 * k + 1] = mb.swept;
   at.ra[k] = narrow(ma.inverse_radius);
   at.rb[k] = narrow(mb.inverse_radius);
   at.ga[k] = at.ga0[k] = narrow(ma.rim_gain);
@@ -281,8 +282,9 @@ void JointStore::set_articulations(bool calm) {
   articulations_.prepare(h_, calm);
 }
 
-// A pass sweeps as often as a frame can afford.
+// A pass sweeps as often as a frame can afford. More cycles do more than more sweeps.
 int JointStore::sweeps() const {
+  if (cycles_.on()) return kLeastSweeps;
   const std::uint32_t blocks = work_blocks();
   const std::uint32_t many = tethers_.empty() ? kMany : kManyOfNets;
   return blocks <= kFew ? kMostSweeps : blocks <= many ? kMostSweeps / 2 : kLeastSweeps;
@@ -293,15 +295,18 @@ void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies
   in_step_ = substeps;
   if (empty()) return;
   s_.bodies.find_slots();
+  const bool fresh = stale_;
   if (stale_) lay_out();
   stale_ = false;
+  find_members(fixed, solved);
+  set_cycles(h, fresh, solved);
   h_ = h;
   acting_ = coast / h;
-  params_.h = narrow(h);
-  params_.inv_h = narrow(1 / h);
-  params_.rate = narrow(kBias / h);
-  find_members(fixed, solved);
-  find_shares(solved);
+  const double cycle = h / cycles_.count;
+  params_.h = narrow(cycle);
+  params_.inv_h = narrow(1 / cycle);
+  params_.rate = narrow(kBias / cycle);
+  find_shares(cycles_.on() ? cycles_.blocks : solved.blocks());
   if (!articulations_.empty()) set_articulations(calm);
   set_linkages();
   substeps_ = 0;
@@ -310,7 +315,7 @@ void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies
     extra.force = {};
     extra.torque = 0;
   }
-  const std::uint32_t padding = solved.dummies() + 1;
+  const std::uint32_t padding = (cycles_.on() ? cycles_.blocks * kBlock : solved.dummies()) + 1;
   jobs_.run(s_.pool, [&](const ListRange& r) {
     const std::vector<std::uint32_t>& lanes = lanes_[r.list];
     const std::vector<Ends>& ends = ends_[r.list];

@@ -209,6 +209,7 @@ void JointStore::release_blocks() {
             share_rim_speed_, push_vel_, push_rim_speed_, push0_vel_, push0_rim_speed_);
   give_back(swept_, tethers_, tether_ranges_, extras_, free_extras_, gears_, fragile_, linkages_);
   articulations_.release();
+  cycles_.release();
   stale_ = true;
 }
 
@@ -289,7 +290,7 @@ void JointStore::load_of(JointId id, Vec2 line, Vec2 axis, Vec2& force, double& 
     }
     return;
   }
-  const double sign = j.swapped ? -1 : 1, per_h = sign / h_;
+  const double sign = j.swapped ? -1 : 1, per_h = sign * (j.lane != kNoSlot ? cycles_.count : 1) / h_;
   if (j.articulated != kNoSlot) {
     double l[JointLists::kImpulses];
     std::copy(std::begin(j.impulse), std::end(j.impulse), l);

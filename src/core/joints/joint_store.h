@@ -23,6 +23,7 @@
 #include "contacts/solver_bodies.h"
 #include "joint_views.h"
 #include "joints/articulations.h"
+#include "joints/joint_cycles.h"
 #include "joints/joint_lists.h"
 #include "joints/linkages.h"
 #include "joints/spring_row.h"
@@ -36,6 +37,8 @@ inline bool is_world(std::uint32_t id) { return id == kWorldBody.index; }
 /// A body with joints, in this frame.
 struct JointMember {
   std::uint32_t number = 0;  ///< the number that the solver uses for the body, or that of a resting record
+  std::uint32_t swept = 0;   ///< the same for the sweeps over joints, which may have columns of their own
+  bool rests = false;        ///< it has a resting record
   LatticePoint at;           ///< without the offset of a moving body, which kernels add
   double angle = 0;
   SineCosine turn;
@@ -94,14 +97,15 @@ class JointStore {
   std::size_t bytes() const;
   std::size_t column_bytes() const {
     return share_vel_.bytes() + share_rim_speed_.bytes() + push_vel_.bytes() + push_rim_speed_.bytes() +
-           push0_vel_.bytes() + push0_rim_speed_.bytes();
+           push0_vel_.bytes() + push0_rim_speed_.bytes() + cycles_.bytes();
   }
 
   /// Gives all memory back but the generations of ids. There is no joint.
   void release_blocks();
   /// About how many lanes the passes of a step work on. Solve and relax sweep over every block sweeps() times.
   std::uint64_t lane_operations(int substeps) const {
-    return empty() ? 0 : std::uint64_t{2} * static_cast<std::uint64_t>(substeps * sweeps()) * work_blocks() * kBlock;
+    if (empty()) return 0;
+    return std::uint64_t{2} * cycles_.count * static_cast<std::uint64_t>(substeps * sweeps()) * work_blocks() * kBlock;
   }
   /// Counts the lanes of the blocks, and how many have a joint. O(lanes).
   void count_lanes(std::uint64_t& lanes, std::uint64_t& used) const {
@@ -177,8 +181,12 @@ class JointStore {
   /// `drift` and `smooth_limit2` as Articulations::solve has them.
   void solve(const kernels::BodyView& view, float drift, float smooth_limit2);
   /// Around the drift.
-  void hold(const kernels::BodyView& view, const kernels::StreamParams& drift);
-  void let_go(const kernels::BodyView& view);
+  void hold(const kernels::BodyView& view, const kernels::StreamParams& drift) {
+    if (!cycles_.on()) hold_sweeps(view, drift);
+  }
+  void let_go(const kernels::BodyView& view) {
+    if (!cycles_.on()) let_go_sweeps(view);
+  }
   void relax(const kernels::BodyView& view);
 
  private:
@@ -354,7 +362,7 @@ class JointStore {
   std::uint32_t work_blocks() const { return block_count() + static_cast<std::uint32_t>(linkages_.count() + 7) / 8; }
   void find_members(const std::vector<FixedBody>& fixed, const SolverBodies& solved);
   void set_articulations(bool calm);
-  void find_shares(const SolverBodies& solved);
+  void find_shares(std::uint32_t body_blocks);
   /// The most springs at one of the bodies of a joint.
   std::uint32_t crowd_of(const Joint& j) const { return std::max(springs_[j.body[0]], springs_[j.body[1]]); }
   SpringRow spring_of(double stiffness, double damping, double mass, std::uint32_t crowd) const;
@@ -370,6 +378,20 @@ class JointStore {
   template <class Pass, class Link>
   void sweep_all(const kernels::BodyView& view, const Pass& pass, const Link& link, bool backwards);
   void part(const kernels::BodyView& view);
+  void warm_sweeps(const kernels::BodyView& view, float factor);
+  void solve_sweeps(const kernels::BodyView& view);
+  void hold_sweeps(const kernels::BodyView& view, const kernels::StreamParams& drift);
+  void let_go_sweeps(const kernels::BodyView& view);
+  void relax_sweeps(const kernels::BodyView& view);
+  double largest_load() const;
+  bool swept_at_centres() const;
+  std::uint32_t cycles_needed(double h, bool fresh) const;
+  void set_cycles(double h, bool fresh, const SolverBodies& solved);
+  void begin_cycles(const kernels::BodyView& view);
+  void cycle(const kernels::BodyView& view, const kernels::StreamParams& drift, bool first);
+  void end_cycles(const kernels::BodyView& view, double drift, double smooth_limit2);
+  void run_cycles(const kernels::BodyView& view, float drift, float smooth_limit2);
+  void leave_cycles(const kernels::BodyView& view);
   kernels::JointShare share() {
     return {share_vel_.data(),      share_rim_speed_.data(), push_vel_.data(),
             push_rim_speed_.data(), push0_vel_.data(),       push0_rim_speed_.data()};
@@ -412,6 +434,7 @@ class JointStore {
   double acting_ = 1;              // how long forces act in it, of h
   bool parted_ = false;            // true between the two calls of part_joints in a pass
   kernels::JointParams params_;
+  JointCycles cycles_{s_.memory};
   Column<float> share_vel_{s_.memory}, share_rim_speed_{s_.memory}, push_vel_{s_.memory}, push_rim_speed_{s_.memory},
       push0_vel_{s_.memory}, push0_rim_speed_{s_.memory};
 };

@@ -400,7 +400,8 @@ void JointStore::describe(Archive& a) {
                 [&](std::size_t k) { return !joints_[k].alive && joints_[k].generation != kLastGeneration; });
   a.list(tethers_, [&](Tether& t) { values(a, t.key[0], t.key[1], t.key[2], t.impulse); });
   bool laid = !stale_;
-  values(a, laid, h_);
+  values(a, laid, h_, cycles_.count);
+  a.require(cycles_.count >= 1 && cycles_.count <= JointCycles::kMost);
   if (a.loading()) {
     free_extras_.reserve(extras_.size());  // dropping needs no memory
     for (Joint& j : joints_) {
