@@ -22,8 +22,8 @@ Flow vortices(int n) {
   const auto jitter = [&] { return 0.2 * (static_cast<double>(random()) / 4294967296.0 - 0.5) / n; };
   for (Vec2& p : flow.places) {
     p.x += jitter(), p.y += jitter();
-    flow.velocities.push_back({-std::cos(2 * kPi * p.x) * std::sin(2 * kPi * p.y),
-                               std::sin(2 * kPi * p.x) * std::cos(2 * kPi * p.y)});
+    flow.velocities.push_back(
+        {-std::cos(2 * kPi * p.x) * std::sin(2 * kPi * p.y), std::sin(2 * kPi * p.x) * std::cos(2 * kPi * p.y)});
   }
   return flow;
 }
@@ -90,7 +90,9 @@ Case hydrostatic(int depth) {
   c.layers = depth == 1 ? std::vector{25, 50, 100} : std::vector{25, 50};
   c.quick_layers = 20;
   c.flow = [depth](int layers) { return water_at_rest(layers, depth); };
-  c.measure = [name = c.name, depth](Motion& m, const Flow&, bool quick) { return measure_rest(m, name, depth, quick); };
+  c.measure = [name = c.name, depth](Motion& m, const Flow&, bool quick) {
+    return measure_rest(m, name, depth, quick);
+  };
   return c;
 }
 

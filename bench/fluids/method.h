@@ -18,6 +18,8 @@ class Motion {
   void advance(double frame);
   virtual void look(std::vector<Particle>& out) const = 0;
 
+  /// Processor time of one sum over the neighbours of every particle; 0 for a method that has none.
+  double time_of_sum();
   /// Kinetic energy, J/m.
   double energy() const;
 
@@ -27,6 +29,7 @@ class Motion {
 
  protected:
   virtual void run(double frame) = 0;
+  virtual bool sum() { return false; }
 };
 
 struct Method {

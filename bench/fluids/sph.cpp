@@ -102,6 +102,11 @@ void Sph::find_forces() {
   }
 }
 
+void Sph::sum_densities(std::vector<float>& strains) const {
+  strains.resize(particles_.size());
+  sum_strains(grid_, constants_, strains);
+}
+
 void Sph::look(std::vector<Particle>& out) const {
   out.resize(particles_.size());
   const double stiffness = static_cast<double>(constants_.background);

@@ -81,8 +81,12 @@ void SphGrid::sort(std::vector<SphParticle>& particles) {
 
   start.assign(std::size_t{across} * up_ + 1, 0);
   for (const std::uint32_t c : cell_of_all) ++start[c + 1];
-  for (std::size_t c = 1; c < start.size(); ++c) start[c] += start[c - 1];
-  std::vector<std::uint32_t> next(start.begin(), start.end() - 1), particle_in(all, ~0u);
+  for (std::size_t c = 1; c < start.size(); ++c) {
+    const bool row_ends = c % across == 0;
+    start[c] += start[c - 1] + (row_ends ? static_cast<std::uint32_t>(kLanes) : 0);
+  }
+  const std::uint32_t slots = start.back();
+  std::vector<std::uint32_t> next(start.begin(), start.end() - 1), particle_in(slots, ~0u);
   for (std::uint32_t k = 0; k < all; ++k) {
     slot_of_all[k] = next[cell_of_all[k]]++;
     if (k < fluid) particle_in[slot_of_all[k]] = k;
@@ -91,7 +95,7 @@ void SphGrid::sort(std::vector<SphParticle>& particles) {
   std::vector<SphParticle> sorted;
   std::vector<std::uint32_t> now(fluid);
   sorted.reserve(fluid), slot.clear(), cell.clear(), sorted_at_.clear();
-  for (std::uint32_t s = 0; s < all; ++s) {
+  for (std::uint32_t s = 0; s < slots; ++s) {
     if (particle_in[s] == ~0u) continue;
     const SphParticle& p = particles[particle_in[s]];
     now[particle_in[s]] = static_cast<std::uint32_t>(sorted.size());
@@ -103,7 +107,7 @@ void SphGrid::sort(std::vector<SphParticle>& particles) {
     copies_[k - fluid].particle = now[copies_[k - fluid].particle];
     copies_[k - fluid].slot = slot_of_all[k];
   }
-  columns.resize(all);
+  columns.resize(slots);
   wall_slot.assign(slot_of_all.begin() + static_cast<std::ptrdiff_t>(moving), slot_of_all.end());
   wall_cell.assign(cell_of_all.begin() + static_cast<std::ptrdiff_t>(moving), cell_of_all.end());
   for (std::size_t k = 0; k < walls_.size(); ++k) {

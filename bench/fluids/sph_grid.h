@@ -2,7 +2,8 @@
 //
 // Fluid, walls and periodic copies share one set of columns, in the order of square cells a little wider than the kernel
 // reaches. The three cells next to each other in a row are then one run of the columns, so a sum over neighbours reads
-// three runs. A run may be read a few particles beyond its end: those are in cells that the kernel does not reach.
+// three runs. A run may be read a few particles beyond its end: those are in cells that the kernel does not reach, or
+// the empty slots behind each row.
 #pragma once
 
 #include <cstddef>

@@ -13,7 +13,6 @@ struct Run {
   std::size_t begin, end;
 };
 
-// The last cells may have fewer than kLanes slots behind them, and the padding of the columns.
 Run run_of(const SphGrid& grid, std::uint32_t cell, int row) {
   const std::uint32_t middle = cell + static_cast<std::uint32_t>(row) * grid.across;
   const std::size_t begin = grid.start[middle - 1], end = grid.start[middle + 2];
@@ -120,8 +119,8 @@ void sum_forces(const SphGrid& grid, const SphConstants& k, std::vector<SphParti
         const float dx = xi - x[j], dy = yi - y[j], t = falloff(dx, dy, half);
         const float share = volume[j] * t * t * t, wet = share * fluid[j];
         const float ux = vxi - vx[j], uy = vyi - vy[j];
-        const float along = share * (pi + pressure[j]) -
-                            wet * artificial * (ux * dx + uy * dy) / (dx * dx + dy * dy + tiny);
+        const float along =
+            share * (pi + pressure[j]) - wet * artificial * (ux * dx + uy * dy) / (dx * dx + dy * dy + tiny);
         ax += along * dx - wet * inner * ux;
         ay += along * dy - wet * inner * uy;
       }
