@@ -21,9 +21,10 @@ struct Measured {
 struct Case {
   std::string name;
   std::string shows;
-  double frame = 1.0 / 60;  ///< seconds: what Motion::advance is called with
-  std::vector<int> layers;  ///< particles in a metre, or in the width of a vortex box; coarse to fine
-  int quick_layers = 0;     ///< with --quick
+  double frame = 1.0 / 60;    ///< seconds: what Motion::advance is called with
+  std::vector<int> layers;    ///< particles in a metre, or in the width of a vortex box; coarse to fine
+  bool finest_by_all = true;  ///< else the finest is run by psim and by the default of the other method alone
+  int quick_layers = 0;       ///< with --quick
   std::function<Flow(int layers)> flow;
   std::function<std::vector<Measured>(Motion&, const Flow&, bool quick)> measure;
 };

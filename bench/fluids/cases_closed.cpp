@@ -88,6 +88,7 @@ Case hydrostatic(int depth) {
   c.name = depth == 1 ? "hydrostatic" : "hydrostatic-deep";
   c.shows = "water at rest, 1 m wide and " + std::to_string(depth) + " m deep, after 4 s";
   c.layers = depth == 1 ? std::vector{25, 50, 100} : std::vector{25, 50};
+  c.finest_by_all = depth == 1;
   c.quick_layers = 20;
   c.flow = [depth](int layers) { return water_at_rest(layers, depth); };
   c.measure = [name = c.name, depth](Motion& m, const Flow&, bool quick) {

@@ -34,7 +34,7 @@ struct Options {
 };
 
 // With --quick the default of each engine alone.
-std::vector<Method> methods_of(const Options& options, const Case& c) {
+std::vector<Method> methods_of(const Options& options, const Case& c, int layers) {
   std::vector<Method> all = {{"psim", "1 step a frame default", 1, {}},
                              {"psim", "2 steps a frame", 2, {}},
                              {"psim", "4 steps a frame", 4, {}},
@@ -47,7 +47,9 @@ std::vector<Method> methods_of(const Options& options, const Case& c) {
         !options.engines.empty() && std::ranges::find(options.engines, m.engine) == options.engines.end();
     const bool not_default = !m.setting.ends_with(" default");
     const bool same = c.name == "taylor-green" && m.sph.alpha == 0;  // has none anyway
-    return other || same || (not_default && (options.quick || (c.name == "large-dam" && m.engine == "psim")));
+    const bool costly = m.engine == "sph" && !c.finest_by_all && layers == c.layers.back();
+    return other || same || (not_default && costly) ||
+           (not_default && (options.quick || (c.name == "large-dam" && m.engine == "psim")));
   });
   return all;
 }
@@ -106,7 +108,7 @@ bool run_all(const Options& options, std::ostream& out) {
     if (!options.cases.empty() && std::ranges::find(options.cases, c.name) == options.cases.end()) continue;
     if (options.quick && c.quick_layers == 0) continue;
     for (const int layers : layers_of(options, c)) {
-      for (const Method& method : methods_of(options, c)) {
+      for (const Method& method : methods_of(options, c, layers)) {
         const Run r = run(c, method, layers, options.quick);
         write_rows(out, method, r);
         for (const Measured& m : r.measured) {

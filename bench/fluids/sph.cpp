@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace psim::fluids {
 namespace {
@@ -27,6 +28,14 @@ double longest_step_of(const Flow& flow, const SphSettings& s) {
   return g > 0 ? std::min(step, 0.25 * std::sqrt(h / g)) : step;
 }
 
+bool processor_serves() {
+#if defined(__GNUC__) && defined(__x86_64__)
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+#else
+  return true;
+#endif
+}
+
 }  // namespace
 
 Sph::Sph(const Flow& flow, const SphSettings& settings)
@@ -35,6 +44,7 @@ Sph::Sph(const Flow& flow, const SphSettings& settings)
       grid_(flow, settings.reach * flow.spacing),
       constants_(constants_of(flow, settings)),
       longest_step_(longest_step_of(flow, settings)) {
+  if (!processor_serves()) throw std::runtime_error("smoothed particles need a processor with AVX2");
   const double sound = settings.sound * flow.speed;
   for (std::size_t k = 0; k < flow.places.size(); ++k) {
     const Vec2 place = flow.places[k], velocity = flow.velocities.empty() ? Vec2{} : flow.velocities[k];

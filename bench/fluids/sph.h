@@ -26,6 +26,7 @@ struct SphSettings {
 
 class Sph {
  public:
+  /// Throws std::runtime_error on a processor without AVX2, for which the sums are compiled.
   Sph(const Flow& flow, const SphSettings& settings);
 
   /// The longest stable step, seconds: of sound, of viscosity (0.125 h^2 / nu) and of gravity (0.25 sqrt(h / g)).

@@ -68,7 +68,8 @@ TEST(Sph, SumsFindEveryNeighbour) {
     // The solver sorts its particles: the sums of both and of their squares must be the same.
     double off = 0, square = 0;
     for (const double d : densities_by_pairs(flow, reach, 0)) off += d, square += d * d;
-    for (const float s : strains) off -= 1.0 + static_cast<double>(s), square -= std::pow(1.0 + static_cast<double>(s), 2);
+    for (const float s : strains)
+      off -= 1.0 + static_cast<double>(s), square -= std::pow(1.0 + static_cast<double>(s), 2);
     EXPECT_NEAR(off, 0, 1e-3);
     EXPECT_NEAR(square, 0, 1e-3);
   }
@@ -86,7 +87,8 @@ TEST(Sph, PeriodicCopiesAreNeighbours) {
   sph.sum_densities(strains);
   double off = 0, square = 0;
   for (const double d : densities_by_pairs(flow, 4, 1)) off += d, square += d * d;
-  for (const float s : strains) off -= 1.0 + static_cast<double>(s), square -= std::pow(1.0 + static_cast<double>(s), 2);
+  for (const float s : strains)
+    off -= 1.0 + static_cast<double>(s), square -= std::pow(1.0 + static_cast<double>(s), 2);
   EXPECT_NEAR(off, 0, 1e-3);
   EXPECT_NEAR(square, 0, 1e-3);
 }
