@@ -3,7 +3,7 @@
 //   fluids --list                               cases and methods
 //   fluids --quick                              one coarse run of each, a few seconds
 //   fluids --case dam-break --engine sph        one case by one method, all settings
-//   fluids --output docs/data/fluids.csv        everything: half an hour
+//   fluids --output docs/data/fluids.csv        everything: a quarter of an hour of processor time
 // Rows go to stdout or the file, in the columns of `accuracy`; tools/plot draws them. Exit 1 if a run of --quick is
 // far from the truth, 2 if asked wrongly.
 #include <CLI/CLI.hpp>
