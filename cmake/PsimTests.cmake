@@ -1,6 +1,6 @@
 # The test program and the checks that are not GoogleTest: installation and generated code.
 # Labels: `slow` (suites whose name begins with Slow), `stress` (those that begin with Stress or
-# SlowStress), `install`, `docs`, `rooms`, `asm`, `accuracy`, `peers`, `view`.
+# SlowStress), `install`, `docs`, `rooms`, `asm`, `accuracy`, `fluids`, `peers`, `view`.
 include(GoogleTest)
 
 # psim_program(NAME OUT [SCRIPT]): where tests find a program of this build. Where an emulator runs it, that is a script;
@@ -21,7 +21,7 @@ function(psim_program name out)
 endfunction()
 
 file(GLOB _test_sources CONFIGURE_DEPENDS tests/*/*_test.cpp tests/support/*.cpp)
-list(FILTER _test_sources EXCLUDE REGEX "/tests/(peers|pool|profile|view)/")
+list(FILTER _test_sources EXCLUDE REGEX "/tests/(peers|pool|profile|sph|view)/")
 psim_for_this_system(_test_sources)
 if(WIN32)  # what needs fork, signals, shell scripts as programs, libpng
   list(FILTER _test_sources EXCLUDE REGEX
@@ -207,6 +207,19 @@ if(TARGET peers)
   add_dependencies(psim_peers_tests peers)
   gtest_discover_tests(psim_peers_tests DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
     PROPERTIES LABELS peers TIMEOUT 300)
+endif()
+
+# The reference solver of smoothed particles, and psim's fluids beside it at speed. Label `fluids`.
+if(TARGET fluids)
+  add_executable(psim_sph_tests tests/sph/sph_test.cpp)
+  psim_target_defaults(psim_sph_tests)
+  target_link_libraries(psim_sph_tests PRIVATE psim_sph GTest::gtest GTest::gtest_main)
+  gtest_discover_tests(psim_sph_tests DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 60
+    PROPERTIES LABELS fluids TIMEOUT 120)
+endif()
+if(TARGET fluids AND CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT PSIM_SANITIZE)
+  add_test(NAME FluidsQuick COMMAND fluids --quick --output "${PROJECT_BINARY_DIR}/fluids-quick.csv")
+  set_tests_properties(FluidsQuick PROPERTIES LABELS fluids TIMEOUT 300)
 endif()
 
 # Errors against the limits of the accuracy laboratory, at speed.
