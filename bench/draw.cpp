@@ -39,7 +39,7 @@ struct Picture {
 void draw(benchmark::State& state, const char* scene, std::uint64_t bodies, char what, int threads) {
   Picture picture(scene, bodies);
   picture.stir();
-  const cli::Painter painter(picture.scene, cli::Colouring::speed);
+  const cli::Painter painter(picture.scene, cli::PictureOptions{});
   const Bounds view = cli::view_of_all(picture.scene, picture.moment, painter.shapes());
   cli::Canvas canvas(kWidth, kHeight);
   std::vector<std::uint8_t> rgb;

@@ -14,6 +14,12 @@ namespace {
 
 using Rgb = std::array<int, 3>;
 
+PictureOptions coloured_by(Colouring colouring) {
+  PictureOptions options;
+  options.colouring = colouring;
+  return options;
+}
+
 // Two discs of radius 1 m, 10 pixels, side by side; the pixel right of the middle of each.
 class Painting : public ::testing::Test {
  protected:
@@ -24,12 +30,12 @@ class Painting : public ::testing::Test {
     const std::vector<double> zero(2);
     moment_ = {
         {0, 1}, {-1.5, 1.5}, zero, zero, zero, zero, zero, {1, 1}, {BodyType::dynamic_body, BodyType::dynamic_body},
-        {0, 0}, {},          {},   {}};
+        {0, 0}, {},          {},   {},   {}};
   }
   std::array<Rgb, 2> paint(Colouring colouring) {
     constexpr int kWidth = 60, kHeight = 40;
     Canvas canvas(kWidth, kHeight);
-    const Painter painter(scene_, colouring);
+    const Painter painter(scene_, coloured_by(colouring));
     painter.paint(canvas, PictureCamera({-3, -2, 3, 2}, kWidth, kHeight), moment_, {10, 10, 10});
     std::vector<std::uint8_t> bytes;
     canvas.to_srgb(bytes);
@@ -90,7 +96,7 @@ TEST_F(Painting, OverTheSeamOfAPeriodicWorldABodyIsSeenAtBothSides) {
   moment_.y = {1.4, 0};
   constexpr int kWidth = 60, kHeight = 40;  // 10 pixels a metre; the world is 40 x 30 in the middle
   Canvas canvas(kWidth, kHeight);
-  const Painter painter(scene_, Colouring::type);
+  const Painter painter(scene_, coloured_by(Colouring::type));
   const auto picture = [&] {
     painter.paint(canvas, PictureCamera({-3, -2, 3, 2}, kWidth, kHeight), moment_, {10, 10, 10});
     std::vector<std::uint8_t> bytes;
