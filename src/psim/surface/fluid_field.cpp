@@ -39,8 +39,13 @@ Bounds box_around(std::span<const Vec2> places) {
 }
 
 // Adds kernels to the nodes. A kernel is a product: w(x) w(y), w(u) = (1 - (u / reach)^2)^3, nearly round.
+//
+// Weights are added four nodes at a time. Those beyond the kernel are 0, so that nodes behind it stay as they are;
+// kSpare nodes behind the last row make room for them.
 class Splat {
  public:
+  static constexpr std::size_t kStep = 4, kSpare = kStep;
+
   Splat(FluidField& field, double spacing, double reach)
       : field_(field),
         reach_(static_cast<float>(reach / field.cell)),
@@ -48,20 +53,16 @@ class Splat {
         per_cell_(1 / field.cell) {}
 
   void add(Vec2 at, float value) {
-    const auto x = static_cast<float>((at.x - field_.origin.x) * per_cell_);
-    const auto y = static_cast<float>((at.y - field_.origin.y) * per_cell_);
-    std::array<float, kMostTouched> across{}, up{};
-    const Span columns = weigh(x, field_.columns, across), rows = weigh(y, field_.rows, up);
-    for (int j = rows.first; j < rows.end; ++j) {
-      const float share = up[static_cast<std::size_t>(j - rows.first)];
-      const auto start = static_cast<std::size_t>(j) * static_cast<std::size_t>(field_.columns) +
-                         static_cast<std::size_t>(columns.first);
-      const auto n = static_cast<std::size_t>(std::max(columns.end - columns.first, 0));
-      float* const fullness = field_.fullness.data() + start;
-      for (std::size_t i = 0; i < n; ++i) fullness[i] += share * across[i];
-      if (field_.value.empty()) continue;
-      float* const values = field_.value.data() + start;
-      for (std::size_t i = 0; i < n; ++i) values[i] += share * value * across[i];
+    float across[kMostTouched], up[kMostTouched];
+    const Span columns = weigh((at.x - field_.origin.x) * per_cell_, field_.columns, across);
+    const Span rows = weigh((at.y - field_.origin.y) * per_cell_, field_.rows, up);
+    if (columns.first >= columns.end) return;
+    const auto stride = static_cast<std::size_t>(field_.columns);
+    const auto n = static_cast<std::size_t>(columns.end - columns.first);
+    std::size_t start = static_cast<std::size_t>(rows.first) * stride + static_cast<std::size_t>(columns.first);
+    for (int j = 0; j < rows.end - rows.first; ++j, start += stride) {
+      add_row(field_.fullness.data() + start, across, up[j], n);
+      if (!field_.value.empty()) add_row(field_.value.data() + start, across, up[j] * value, n);
     }
   }
 
@@ -69,13 +70,28 @@ class Splat {
   struct Span {
     int first, end;
   };
-  Span weigh(float at, int nodes, std::array<float, kMostTouched>& weights) const {
-    const int first = std::max(static_cast<int>(std::ceil(at - reach_)), 0);
-    const int end = std::min(static_cast<int>(std::floor(at + reach_)) + 1, nodes);
-    for (int k = first; k < end; ++k) {
-      const float u = (static_cast<float>(k) - at) / reach_, w = std::max(1 - u * u, 0.0f);
-      weights[static_cast<std::size_t>(k - first)] = height_ * w * w * w;
+  static void add_row(float* nodes, const float* weights, float share, std::size_t n) {
+    for (std::size_t i = 0; i < n; i += kStep) {
+      for (std::size_t k = 0; k < kStep; ++k) nodes[i + k] += share * weights[i + k];
     }
+  }
+
+  Span weigh(double place, int nodes, float* weights) const {
+    constexpr int kShift = 64;  // cells: places outside of the grid are positive with it, so that a cast rounds down
+    const auto at = static_cast<float>(place);
+    const int first = std::max(static_cast<int>(at - reach_ + kShift) - kShift + 1, 0);
+    const int end = std::min(static_cast<int>(at + reach_ + kShift) - kShift + 1, nodes);
+    if (first >= end) return {first, first};
+    const auto n = static_cast<std::size_t>(end - first);
+    const float per_reach = 1 / reach_, from = (static_cast<float>(first) - at) * per_reach;
+    for (std::size_t k = 0; k < n; k += kStep) {
+      for (std::size_t lane = 0; lane < kStep; ++lane) {
+        const float u = from + static_cast<float>(static_cast<int>(k + lane)) * per_reach;
+        const float w = std::max(1 - u * u, 0.0f);
+        weights[k + lane] = height_ * w * w * w;
+      }
+    }
+    if (end == nodes) std::fill(weights + n, weights + (n + kStep - 1) / kStep * kStep, 0.0f);
     return {first, end};
   }
 
@@ -85,10 +101,17 @@ class Splat {
   double per_cell_;
 };
 
-// Calls add(place) for a particle and for those that a wall mirrors, or that come from over a seam, within `part`.
+struct Reached {
+  Bounds all;     // metres: particles there reach nodes of the grid
+  Bounds inside;  // those there reach nodes without images
+};
+
+// Calls add(place) for a particle and for those that a wall mirrors, or that come from over a seam, where they reach the
+// grid.
 template <class Add>
-void with_images(Vec2 at, const FluidGrid& grid, const Bounds& part, const Add& add) {
-  const Bounds& w = grid.world;
+void with_images(Vec2 at, const FluidGrid& grid, const Reached& part, const Add& add) {
+  const Bounds &w = grid.world, &inside = part.inside;
+  if (at.x > inside.xmin && at.x < inside.xmax && at.y > inside.ymin && at.y < inside.ymax) return add(at);
   const double across = w.xmax - w.xmin, up = w.ymax - w.ymin;
   std::array<double, 3> xs{at.x}, ys{at.y};
   std::size_t nx = 1, ny = 1;
@@ -102,77 +125,51 @@ void with_images(Vec2 at, const FluidGrid& grid, const Bounds& part, const Add& 
     nx = ny = 3;
   }
   for (std::size_t j = 0; j < ny; ++j) {
-    if (!(ys[j] > part.ymin && ys[j] < part.ymax)) continue;
+    if (!(ys[j] > part.all.ymin && ys[j] < part.all.ymax)) continue;
     for (std::size_t i = 0; i < nx; ++i) {
-      if (xs[i] > part.xmin && xs[i] < part.xmax) add(Vec2{xs[i], ys[j]});
+      if (xs[i] > part.all.xmin && xs[i] < part.all.xmax) add(Vec2{xs[i], ys[j]});
     }
   }
 }
 
-// Means over squares of 2 radius + 1 nodes a side, twice; nodes beyond the grid count as 0. Along rows by a running sum,
-// then along columns by a running sum of rows.
-class Blur {
- public:
-  Blur(const FluidField& field, int radius)
-      : columns_(static_cast<std::size_t>(field.columns)),
-        rows_(static_cast<std::size_t>(field.rows)),
-        radius_(static_cast<std::size_t>(radius)) {}
-
-  void operator()(std::vector<float>& nodes) {
-    for (int pass = 0; pass < 2; ++pass) {
-      along_rows(nodes);
-      along_columns(nodes);
-    }
-  }
-
- private:
-  float share() const { return 1 / static_cast<float>(2 * radius_ + 1); }
-
-  void along_rows(std::vector<float>& nodes) {
-    // Zeros on both sides of a copy of the row: every sum has the same number of nodes.
-    line_.assign(columns_ + 2 * radius_ + 1, 0.0f);
-    for (std::size_t j = 0; j < rows_; ++j) {
-      float* const row = nodes.data() + j * columns_;
-      std::copy(row, row + columns_, line_.begin() + static_cast<std::ptrdiff_t>(radius_));
-      double sum = 0;
-      for (std::size_t i = 0; i < 2 * radius_; ++i) sum += static_cast<double>(line_[i]);
-      for (std::size_t i = 0; i < columns_; ++i) {
-        sum += static_cast<double>(line_[i + 2 * radius_]);
-        row[i] = static_cast<float>(sum) * share();
-        sum -= static_cast<double>(line_[i]);
+// Means over squares of 2 radius + 1 nodes a side, twice; nodes beyond the grid count as 0. `room` is scratch.
+void blur(std::vector<float>& nodes, const FluidField& field, int radius, std::vector<float>& room) {
+  const auto columns = static_cast<std::size_t>(field.columns), rows = static_cast<std::size_t>(field.rows);
+  const auto reach = static_cast<std::size_t>(radius), width = 2 * reach + 1;
+  const float share = 1 / static_cast<float>(width * width);
+  std::vector<float> line(columns + 2 * reach, 0.0f);  // a row with zeros on both sides
+  room.resize(nodes.size());
+  for (int pass = 0; pass < 2; ++pass) {
+    for (std::size_t j = 0; j < rows; ++j) {
+      const float* const from = nodes.data() + j * columns;
+      float* const to = room.data() + j * columns;
+      std::copy(from, from + columns, line.begin() + radius);
+      std::fill(to, to + columns, 0.0f);
+      for (std::size_t d = 0; d < width; ++d) {
+        for (std::size_t i = 0; i < columns; ++i) to[i] += line[i + d];
       }
     }
-  }
-
-  void along_columns(std::vector<float>& nodes) {
-    before_.assign(nodes.begin(), nodes.end());
-    sums_.assign(columns_, 0.0);
-    const auto add = [&](std::size_t j, double sign) {
-      const float* const row = before_.data() + j * columns_;
-      for (std::size_t i = 0; i < columns_; ++i) sums_[i] += sign * static_cast<double>(row[i]);
-    };
-    for (std::size_t j = 0; j < std::min(radius_, rows_); ++j) add(j, 1);
-    for (std::size_t j = 0; j < rows_; ++j) {
-      if (j + radius_ < rows_) add(j + radius_, 1);
-      if (j > radius_) add(j - radius_ - 1, -1);
-      float* const row = nodes.data() + j * columns_;
-      for (std::size_t i = 0; i < columns_; ++i) row[i] = static_cast<float>(sums_[i]) * share();
+    for (std::size_t j = 0; j < rows; ++j) {
+      float* const to = nodes.data() + j * columns;
+      std::fill(to, to + columns, 0.0f);
+      const std::size_t first = j > reach ? j - reach : 0, end = std::min(j + reach + 1, rows);
+      for (std::size_t k = first; k < end; ++k) {
+        const float* const from = room.data() + k * columns;
+        for (std::size_t i = 0; i < columns; ++i) to[i] += from[i];
+      }
+      for (std::size_t i = 0; i < columns; ++i) to[i] *= share;
     }
   }
-
-  std::size_t columns_, rows_, radius_;
-  std::vector<float> line_, before_;
-  std::vector<double> sums_;
-};
+}
 
 // Particles move in strings, with gaps between them within the fluid. Where the sum is high over some spacings around,
 // there is fluid. A straight surface stays where it is and becomes smoother.
 void close_gaps(FluidField& field, int radius) {
   constexpr float kWideEdge = 0.45f, kSlope = 1.6f;  // the mean around a node that makes it the surface
-  Blur blur(field, radius);
-  std::vector<float> wide(field.fullness);
-  blur(wide);
-  if (!field.value.empty()) blur(field.value);
+  std::vector<float>& wide = field.scratch[0];
+  wide = field.fullness;
+  blur(wide, field, radius, field.scratch[1]);
+  if (!field.value.empty()) blur(field.value, field, radius, field.scratch[1]);
   for (std::size_t k = 0; k < field.value.size(); ++k) field.value[k] /= std::max(wide[k], 1e-6f);
   for (std::size_t k = 0; k < wide.size(); ++k) {
     field.fullness[k] = std::max(field.fullness[k], kFluidEdge + kSlope * (wide[k] - kWideEdge));
@@ -224,14 +221,19 @@ void make_fluid_field(std::span<const Vec2> places, std::span<const float> value
   if (grid.boundary != Boundary::periodic) part = shared_part(part, widened(box_around(places), margin));
   if (!has_area(part) || places.empty() || !lay_grid(part, grid, cell, field)) return;
   const std::size_t nodes = static_cast<std::size_t>(field.columns) * static_cast<std::size_t>(field.rows);
-  field.fullness.assign(nodes, 0.0f);
-  if (!values.empty()) field.value.assign(nodes, 0.0f);
+  field.fullness.assign(nodes + Splat::kSpare, 0.0f);
+  if (!values.empty()) field.value.assign(nodes + Splat::kSpare, 0.0f);
   Splat splat(field, grid.spacing, reach);
+  // An image lies beyond a side: what is farther from all sides than the grid and a kernel reach over them has none.
   const Bounds near = widened(part, reach);
+  const Reached reached{near,
+                        shared_part(near, widened(grid.world, grid.boundary == Boundary::open ? 0 : -margin - reach))};
   for (std::size_t k = 0; k < places.size(); ++k) {
     const float value = values.empty() ? 0 : values[k];
-    with_images(places[k], grid, near, [&](Vec2 at) { splat.add(at, value); });
+    with_images(places[k], grid, reached, [&](Vec2 at) { splat.add(at, value); });
   }
+  field.fullness.resize(nodes);
+  field.value.resize(values.empty() ? 0 : nodes);
   close_gaps(field, radius);
   if (cell <= grid.spacing / 2) return;
   for (std::size_t k = 0; k < places.size(); ++k) {

@@ -34,6 +34,8 @@ struct FluidField {
   /// Numbers of particles that are less than an edge makes visible, as cells are larger than they are.
   std::vector<std::uint32_t> lone;
 
+  std::vector<float> scratch[2];
+
   bool is_empty() const { return fullness.empty(); }
 };
 
