@@ -105,6 +105,19 @@ TEST(FluidField, ItTouchesWallsAndTheSeam) {
   for (double y = 0.1; y < 2.9; y += 0.1) EXPECT_NEAR(fullness(f, {0, y}), fullness(f, {3, y}), 1e-3) << y;
 }
 
+// Only a fluid that comes near the seam needs a grid over all of a periodic world.
+TEST(FluidField, APoolAwayFromTheSeamHasASmallGrid) {
+  const Bounds world{-5, -5, 15, 15};
+  FluidField f = make(pool(3, 2), grid_of(world, Boundary::periodic));
+  EXPECT_LT(f.columns * f.cell, 5);
+  std::vector<Vec2> places = pool(3, 2);
+  places.push_back({14.98, 1});
+  f = make(places, grid_of(world, Boundary::periodic));
+  EXPECT_GT(f.columns * f.cell, 20);
+  EXPECT_LT(f.rows * f.cell, 4);
+  EXPECT_TRUE(is_wet(f, {-5, 1}) && is_wet(f, {14.98, 1}));
+}
+
 TEST(FluidField, ADropOfOneParticleIsSeenWhereverItIs) {
   for (const double pixel : {0.002, 0.01, 0.03}) {
     for (int k = 0; k < 25; ++k) {

@@ -200,6 +200,23 @@ bool lay_grid(const Bounds& part, const FluidGrid& grid, double cell, FluidField
   return true;
 }
 
+// Where a fluid within the box may be seen, `margin` around it. Along an axis on which it comes near the seam of a
+// periodic world, that is all of the world.
+Bounds wet_part(const Bounds& box, const FluidGrid& grid, double margin) {
+  const Bounds world = widened(grid.world, margin);
+  Bounds wet = widened(box, margin);
+  const bool wraps = grid.boundary == Boundary::periodic;
+  if (wraps && !(wet.xmin > grid.world.xmin && wet.xmax < grid.world.xmax)) {
+    wet.xmin = world.xmin;
+    wet.xmax = world.xmax;
+  }
+  if (wraps && !(wet.ymin > grid.world.ymin && wet.ymax < grid.world.ymax)) {
+    wet.ymin = world.ymin;
+    wet.ymax = world.ymax;
+  }
+  return shared_part(wet, world);
+}
+
 }  // namespace
 
 std::uint32_t fluid_rgb(FluidId fluid) {
@@ -217,8 +234,7 @@ void make_fluid_field(std::span<const Vec2> places, std::span<const float> value
   const int radius =
       std::max(static_cast<int>(std::lround(grid.spacing / cell)), 1);  // a mean over two spacings, twice
   const double margin = reach + (2 * radius + 1) * cell;
-  Bounds part = shared_part(widened(grid.shown, margin), widened(grid.world, margin));
-  if (grid.boundary != Boundary::periodic) part = shared_part(part, widened(box_around(places), margin));
+  const Bounds part = shared_part(widened(grid.shown, margin), wet_part(box_around(places), grid, margin));
   if (!has_area(part) || places.empty() || !lay_grid(part, grid, cell, field)) return;
   const std::size_t nodes = static_cast<std::size_t>(field.columns) * static_cast<std::size_t>(field.rows);
   field.fullness.assign(nodes + Splat::kSpare, 0.0f);

@@ -6,7 +6,7 @@
 // means over some spacings around. The surface is where the sum is kFluidEdge.
 //
 // In: places of one fluid, and the part of the world that is shown. Out: a grid that covers what is shown of it.
-// Costs about 20 ns a particle where a cell is half a spacing (docs/pictures.md).
+// Costs 40 to 60 ns a particle where a cell is one spacing or half of one (docs/view.md).
 #pragma once
 
 #include <cstddef>

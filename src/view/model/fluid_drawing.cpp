@@ -26,13 +26,15 @@ void FluidDrawing::build(const FluidLook* look, const WorldDesc& world, const Ca
   find_values(*look, choice.colouring);
   parts_.resize(std::max(parts_.size(), look->fluids.size()));
   const Bounds& b = world.bounds;
+  const bool walls = world.boundary == Boundary::walls;
   const double back = (1 - static_cast<double>(alpha)) * world.dt;
   for (std::size_t k = 0; k < look->fluids.size(); ++k) {
     const FluidRows& rows = look->fluids[k];
     places_.resize(rows.place.size());
     for (std::size_t row = 0; row < places_.size(); ++row) {
       const Vec2 at = rows.place[row], v = rows.velocity[row];
-      places_[row] = {std::clamp(at.x - back * v.x, b.xmin, b.xmax), std::clamp(at.y - back * v.y, b.ymin, b.ymax)};
+      const Vec2 then{at.x - back * v.x, at.y - back * v.y};
+      places_[row] = walls ? Vec2{std::clamp(then.x, b.xmin, b.xmax), std::clamp(then.y, b.ymin, b.ymax)} : then;
     }
     Part& part = parts_[count_++];
     part.rgb = cli::fluid_rgb(static_cast<FluidId>(k));

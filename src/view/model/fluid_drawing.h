@@ -1,6 +1,6 @@
 // What of fluids is drawn in a picture: for each fluid the grid of its surface, or its particles as discs.
 //
-// In: the particles of a frame. Out: parts, ready for the GPU. Everything is made anew for each picture, about 30 ns a
+// In: the particles of a frame. Out: parts, ready for the GPU. Everything is made anew for each picture, 40 to 60 ns a
 // particle (docs/view.md).
 #pragma once
 
