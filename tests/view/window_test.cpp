@@ -190,6 +190,7 @@ TEST_F(ViewWindow, FluidsAreSeenAsSurfaceOrParticles) {
   const std::string scene = scratch_.write("w.json", R"({
   "psim": 1, "name": "wet",
   "world": {"bounds": [-10, -10, 10, 10], "boundary": "walls", "gravity": [0, 0]},
+  "bodies": [{"type": "kinematic", "shape": {"disc": {"radius": 0.5}}, "position": [9, 9]}],
   "fluids": [{"region": [-10, -10, 10, 0], "spacing": 0.5}]})");
   const auto file = [&](char name) { return scratch_.file(std::string(1, name) + ".png"); };
   const std::string input = script("5 shot " + file('a') + "\n6 key F\n8 shot " + file('b') + "\n9 key V\n11 shot " +
