@@ -21,7 +21,8 @@ enum class DrawKind : std::uint8_t {
   joint,           ///< from anchor to anchor, or to a body's place
   contact,         ///< where two bodies touch, and its normal
   force,           ///< of a contact or joint, N times DebugDrawOptions::force_scale
-  bounds           ///< of the world
+  bounds,          ///< of the world
+  particle         ///< of a fluid
 };
 
 /// The host draws by overriding these. They are called by World::debug_draw, one after the other on its thread, and must
@@ -29,7 +30,7 @@ enum class DrawKind : std::uint8_t {
 class PSIM_API DebugDraw {
  public:
   virtual ~DebugDraw();
-  /// A disc with a spoke at `angle`, rad.
+  /// A disc with a spoke at `angle`, rad. A particle is a disc of half a spacing, without angle and body (kNoBody).
   virtual void circle(Vec2 centre, double radius, double angle, DrawKind kind, BodyId body) = 0;
   /// A convex part: 2 corners of a line or capsule, else 3 to 8 counter-clockwise; rounded by `radius`.
   virtual void polygon(std::span<const Vec2> corners, double radius, DrawKind kind, BodyId body) = 0;
@@ -48,7 +49,8 @@ struct DebugDrawOptions {
   bool bounds = true;                 ///< the sides of a world that is not open
   double force_scale = 0.01;          ///< m/N
   double normal_length = 0.2;         ///< m
-  std::optional<Bounds> region = {};  ///< only bodies and contacts that may reach into it
+  std::optional<Bounds> region = {};  ///< only bodies, contacts and particles that may reach into it
+  bool particles = true;              ///< circles of fluids
 };
 
 }  // namespace psim

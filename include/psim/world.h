@@ -309,8 +309,8 @@ class PSIM_API World {
   /// first step. Valid until the next call of this function or one that changes the world. O(contacts) a call;
   /// nothing where nobody calls.
   std::span<const Contact> contacts();
-  /// Hands bodies, joints, contacts, forces and bounds to the host's own drawing, as they are now: bounds first, then
-  /// bodies by id, joints by index, contacts in their order. False if a number in `options` is not finite or there was no
+  /// Hands bodies, joints, contacts, forces, particles and bounds to the host's own drawing, as they are now: bounds first,
+  /// then particles by id, bodies by id, joints by index, contacts in their order. False if a number in `options` is not finite or there was no
   /// memory; then not all is drawn. Changes no result. O(what is drawn), and contacts() if they or forces are wanted.
   bool debug_draw(DebugDraw& to, const DebugDrawOptions& options);
   /// By BodyId::index: the strip that the body lay in when the last step's lists were made. A strip is some rows of

@@ -51,6 +51,7 @@ psim_result psim_world_debug_draw(psim_world* world, const psim_debug_draw* draw
     options.contacts = given.contacts != 0;
     options.forces = given.forces != 0;
     options.bounds = given.bounds != 0;
+    options.particles = given.particles != 0;
     options.force_scale = given.force_scale;
     options.normal_length = given.normal_length;
     if (given.has_region != 0) options.region = to_cpp(given.region);

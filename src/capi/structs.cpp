@@ -106,6 +106,7 @@ void set_defaults(psim_debug_draw& d) {
   d.contacts = from.contacts;
   d.forces = from.forces;
   d.bounds = from.bounds;
+  d.particles = from.particles;
   d.force_scale = from.force_scale;
   d.normal_length = from.normal_length;
 }

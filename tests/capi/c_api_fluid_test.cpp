@@ -34,6 +34,30 @@ TEST(CApiFluid, ParticlesAreAddedSteppedAndTold) {
   EXPECT_GT(report.kinetic, 0);
 }
 
+TEST(CApiFluid, ParticlesAreDrawn) {
+  CWorld c;
+  psim_fluid_desc desc;
+  psim_fluid_desc_init(&desc);
+  desc.spacing = 0.5;
+  const psim_vec2 places[] = {{0, 0}, {0.5, 0}};
+  ASSERT_EQ(psim_world_add_fluid(c.world, &desc, nullptr), PSIM_OK);
+  ASSERT_EQ(psim_world_add_particles(c.world, 0, places, nullptr, 2), PSIM_OK) << c.last();
+  psim_debug_draw draw;
+  psim_debug_draw_init(&draw);
+  EXPECT_EQ(draw.particles, 1);
+  std::vector<double> radii;
+  draw.user = &radii;
+  draw.circle = [](void* user, psim_vec2, double radius, double, std::int32_t kind, psim_body_id) {
+    EXPECT_EQ(kind, PSIM_DRAW_PARTICLE);
+    static_cast<std::vector<double>*>(user)->push_back(radius);
+  };
+  ASSERT_EQ(psim_world_debug_draw(c.world, &draw), PSIM_OK) << c.last();
+  EXPECT_EQ(radii, (std::vector<double>{0.25, 0.25}));
+  draw.particles = 0;
+  ASSERT_EQ(psim_world_debug_draw(c.world, &draw), PSIM_OK);
+  EXPECT_EQ(radii.size(), 2u);
+}
+
 TEST(CApiFluid, WhatIsWrongIsRefused) {
   CWorld c;
   psim_fluid_desc desc;

@@ -88,10 +88,11 @@ void paint(World& world) {
       std::min(world.published().id.empty() ? 0 : world.published().id.back() + std::size_t{1}, kMostBodies));
   std::vector<std::uint8_t> rgb;
   for (std::size_t k = 0; k < cli::kColouringNames.size(); ++k) {
-    const auto colouring = static_cast<cli::Colouring>(k);
+    cli::PictureOptions options;
+    options.colouring = static_cast<cli::Colouring>(k);
     cli::Moment moment;
-    cli::take_moment(world, moment, colouring);
-    const cli::Painter painter(scene, colouring);
+    cli::take_moment(world, moment, options.colouring);
+    const cli::Painter painter(scene, options);
     cli::Canvas canvas(32, 24);
     const Bounds view = cli::view_of_all(scene, moment, painter.shapes());
     painter.paint(canvas, cli::PictureCamera(view, 32, 24), moment, cli::brightest(scene, moment, painter.shapes()));

@@ -150,7 +150,8 @@ struct Looks : DebugDraw {
   void check(bool sound) {
     if (!sound) fault = "debug_draw: what is drawn";
   }
-  void circle(Vec2 centre, double radius, double angle, DrawKind, BodyId body) override {
+  void circle(Vec2 centre, double radius, double angle, DrawKind kind, BodyId body) override {
+    if (kind == DrawKind::particle) return check(finite(centre) && finite(radius) && angle == 0 && body == kNoBody);
     check(finite(centre) && finite(radius) && (finite(angle) || !world.is_awake(body)) && world.is_valid(body));
   }
   void polygon(std::span<const Vec2> corners, double radius, DrawKind, BodyId body) override {

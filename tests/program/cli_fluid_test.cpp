@@ -60,6 +60,23 @@ TEST_F(CliFluid, VerifySaveAndReplayKnowThem) {
   EXPECT_EQ(run_psim({"--replay", recording}).status, 0);
 }
 
+TEST_F(CliFluid, PicturesShowThemAsChosen) {
+  std::vector<std::string> pictures;
+  for (const char* look : {"surface", "particles"}) {
+    for (const char* colour : {"fluid", "speed", "pressure"}) {
+      const std::string file = folder_.file("a.png");
+      const Outcome outcome =
+          run({"--image", file, "--image-size", "120x80", "--fluid-look", look, "--fluid-colour", colour});
+      ASSERT_EQ(outcome.status, 0) << outcome.err;
+      pictures.push_back(read_file(file));
+      for (std::size_t k = 0; k + 1 < pictures.size(); ++k) EXPECT_NE(pictures[k], pictures.back()) << look << colour;
+    }
+  }
+  const std::string file = folder_.file("b.png");
+  ASSERT_EQ(run({"--image", file, "--image-size", "120x80", "--threads", "3"}).status, 0);
+  EXPECT_EQ(read_file(file), pictures[0]) << "a surface in the colour of the fluid, on any number of threads";
+}
+
 TEST_F(CliFluid, ExplainNamesThem) {
   EXPECT_NE(run_psim({"--scene", scene_, "--explain"}).out.find("particles of fluids"), std::string::npos);
 }

@@ -85,12 +85,12 @@ TEST(CliOptions, HelpNamesEveryOption) {
   EXPECT_EQ(outcome.status, 0);
   EXPECT_EQ(outcome.err, "");
   for (const char* option :
-       {"--scene",        "--list-scenes", "--particles",  "--seed",   "--frames",  "--dt",         "--substeps",
-        "--threads",      "--isa",         "--report",     "--state",  "--metrics", "--trajectory", "--every",
-        "--image",        "--trace",       "--explain",    "--verify", "--check",   "--benchmark",  "--budget",
-        "--governor",     "--sleep",       "--memory",     "--skin",   "--version", "--help",       "--integrator",
-        "--target-error", "--target-ms",   "--frames-dir", "--video",  "--fps",     "--image-size", "--view",
-        "--colour",       "--fluid-state"}) {
+       {"--scene",        "--list-scenes", "--particles",  "--seed",        "--frames",  "--dt",         "--substeps",
+        "--threads",      "--isa",         "--report",     "--state",       "--metrics", "--trajectory", "--every",
+        "--image",        "--trace",       "--explain",    "--verify",      "--check",   "--benchmark",  "--budget",
+        "--governor",     "--sleep",       "--memory",     "--skin",        "--version", "--help",       "--integrator",
+        "--target-error", "--target-ms",   "--frames-dir", "--video",       "--fps",     "--image-size", "--view",
+        "--colour",       "--fluid-state", "--fluid-look", "--fluid-colour"}) {
     EXPECT_NE(outcome.out.find(option), std::string::npos) << option;
   }
 }

@@ -172,6 +172,10 @@ TEST_F(CliPictures, MistakesAreOneLine) {
       {{"--image", file, "--view", "3,0,-3,4"}, {"--view 3,0,-3,4", "xmin must be less"}},
       {{"--image", file, "--view", "-3,4,3,4"}, {"--view -3,4,3,4", "ymin must be less"}},
       {{"--image", file, "--colour", "blue"}, {"--colour blue", "spin"}},
+      {{"--image", file, "--fluid-look", "foam"}, {"--fluid-look foam", "surface or particles"}},
+      {{"--image", file, "--fluid-colour", "wet"}, {"--fluid-colour wet", "fluid, speed or pressure"}},
+      {{"--fluid-look", "surface"}, {"--fluid-look", "--image"}},
+      {{"--fluid-colour", "speed"}, {"--fluid-colour", "--image"}},
       {{"--verify", "--frames-dir", dir}, {"--frames-dir", "belongs to a run"}},
   };
   for (const auto& [arguments, words] : mistakes) {

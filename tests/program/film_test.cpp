@@ -46,7 +46,7 @@ TEST(FilmClock, EveryGoesByFrames) {
 }
 
 Moment one_body(double x, double angle, std::uint32_t id = 0) {
-  return {{id}, {x}, {0}, {angle}, {0}, {0}, {0}, {0.5}, {BodyType::dynamic_body}, {0}, {}, {}, {}};
+  return {{id}, {x}, {0}, {angle}, {0}, {0}, {0}, {0.5}, {BodyType::dynamic_body}, {0}, {}, {}, {}, {}};
 }
 
 TEST(Film, BodiesBetweenFramesTakeTheShortWay) {
@@ -61,6 +61,21 @@ TEST(Film, BodiesBetweenFramesTakeTheShortWay) {
   EXPECT_NEAR(between.x[0], -0.25, 1e-12);
   place_between(one_body(9, 0, 7), one_body(2, 0, 8), 0.25, world, between);  // another body
   EXPECT_DOUBLE_EQ(between.x[0], 2);
+}
+
+TEST(Film, ParticlesBetweenFramesTakeTheShortWay) {
+  WorldDesc world;
+  world.bounds = {0, 0, 10, 10};
+  world.boundary = Boundary::periodic;
+  Moment before, after, between;
+  before.particles = {{1, 0, {1, 2}, {}, 0, 0}, {4, 0, {9.5, 5}, {}, 0, 0}, {5, 0, {3, 3}, {}, 0, 0}};
+  after.particles = {{0, 0, {7, 7}, {}, 0, 0}, {1, 0, {2, 4}, {}, 0, 0}, {4, 0, {0.5, 5}, {}, 0, 0}};
+  place_between(before, after, 0.25, world, between);
+  ASSERT_EQ(between.particles.size(), 3u);
+  EXPECT_DOUBLE_EQ(between.particles[0].position.x, 7);  // it was not there before
+  EXPECT_DOUBLE_EQ(between.particles[1].position.x, 1.25);
+  EXPECT_DOUBLE_EQ(between.particles[1].position.y, 2.5);
+  EXPECT_NEAR(between.particles[2].position.x, -0.25, 1e-12);  // over the seam
 }
 
 TEST(Film, TheViewWidensAsTheSceneSpreads) {

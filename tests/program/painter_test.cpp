@@ -14,6 +14,12 @@ namespace {
 
 using Rgb = std::array<int, 3>;
 
+PictureOptions coloured_by(Colouring colouring) {
+  PictureOptions options;
+  options.colouring = colouring;
+  return options;
+}
+
 // Two discs of radius 1 m, 10 pixels, side by side; the pixel right of the middle of each.
 class Painting : public ::testing::Test {
  protected:
@@ -24,12 +30,12 @@ class Painting : public ::testing::Test {
     const std::vector<double> zero(2);
     moment_ = {
         {0, 1}, {-1.5, 1.5}, zero, zero, zero, zero, zero, {1, 1}, {BodyType::dynamic_body, BodyType::dynamic_body},
-        {0, 0}, {},          {},   {}};
+        {0, 0}, {},          {},   {},   {}};
   }
   std::array<Rgb, 2> paint(Colouring colouring) {
     constexpr int kWidth = 60, kHeight = 40;
     Canvas canvas(kWidth, kHeight);
-    const Painter painter(scene_, colouring);
+    const Painter painter(scene_, coloured_by(colouring));
     painter.paint(canvas, PictureCamera({-3, -2, 3, 2}, kWidth, kHeight), moment_, {10, 10, 10});
     std::vector<std::uint8_t> bytes;
     canvas.to_srgb(bytes);
@@ -90,7 +96,7 @@ TEST_F(Painting, OverTheSeamOfAPeriodicWorldABodyIsSeenAtBothSides) {
   moment_.y = {1.4, 0};
   constexpr int kWidth = 60, kHeight = 40;  // 10 pixels a metre; the world is 40 x 30 in the middle
   Canvas canvas(kWidth, kHeight);
-  const Painter painter(scene_, Colouring::type);
+  const Painter painter(scene_, coloured_by(Colouring::type));
   const auto picture = [&] {
     painter.paint(canvas, PictureCamera({-3, -2, 3, 2}, kWidth, kHeight), moment_, {10, 10, 10});
     std::vector<std::uint8_t> bytes;
@@ -113,6 +119,92 @@ TEST_F(Painting, OverTheSeamOfAPeriodicWorldABodyIsSeenAtBothSides) {
   }
   moment_.x[0] += 4;  // between two frames a body may be past the side
   EXPECT_EQ(picture(), bytes);
+}
+
+// A square of water, 1 m a side, in the middle of 60 x 40 pixels, and a drop.
+class FluidPainting : public ::testing::Test {
+ protected:
+  FluidPainting() {
+    scene_.world.bounds = {-3, -2, 3, 2};
+    scene_.world.gravity = {};
+    scene_.fluids.resize(2);
+    scene_.fluids[0].fluid.spacing = scene_.fluids[1].fluid.spacing = 0.25;
+    for (std::uint32_t k = 0; k < 64; ++k) add({-0.875 + 0.25 * (k % 8), -0.875 + 0.25 * (k / 8)}, {0, 1.0 * (k % 8)});
+    add({-2, 1.5}, {});
+  }
+  void add(Vec2 at, Vec2 velocity) {
+    const auto id = static_cast<std::uint32_t>(moment_.particles.size());
+    moment_.particles.push_back({id, 0, at, velocity, 1000, 100 * (1 - at.y)});
+  }
+  std::vector<std::uint8_t> paint(FluidStyle style, FluidColouring colouring) const {
+    PictureOptions options;
+    options.fluid_style = style;
+    options.fluid_colouring = colouring;
+    Canvas canvas(kWidth, kHeight);
+    const Painter painter(scene_, options);
+    painter.paint(canvas, PictureCamera({-3, -2, 3, 2}, kWidth, kHeight), moment_,
+                  brightest(scene_, moment_, painter.shapes()));
+    std::vector<std::uint8_t> bytes;
+    canvas.to_srgb(bytes);
+    return bytes;
+  }
+  static Rgb at(const std::vector<std::uint8_t>& bytes, int x, int y) {
+    const auto first = 3 * static_cast<std::size_t>(y * kWidth + x);
+    return {bytes[first], bytes[first + 1], bytes[first + 2]};
+  }
+  static constexpr int kWidth = 60, kHeight = 40;
+  const Rgb kWaterRgb{0x2f, 0x7f, 0xd0}, kEmpty{0x12, 0x16, 0x1d};
+  Scene scene_;
+  Moment moment_;
+};
+
+TEST_F(FluidPainting, ASurfaceIsFilledAndEndsWhereTheFluidEnds) {
+  const auto bytes = paint(FluidStyle::surface, FluidColouring::fluid);
+  for (int y = 12; y < 28; ++y) {
+    for (int x = 22; x < 38; ++x) EXPECT_EQ(at(bytes, x, y), kWaterRgb) << x << " " << y;
+  }
+  for (const int x : {17, 42}) EXPECT_EQ(at(bytes, x, 20), kEmpty);
+  for (const int y : {7, 32}) EXPECT_EQ(at(bytes, 30, y), kEmpty);
+  EXPECT_GT(at(bytes, 10, 5)[2], 100);  // the drop
+  EXPECT_EQ(at(bytes, 14, 5), kEmpty);
+}
+
+TEST_F(FluidPainting, FluidsHaveColoursOfTheirOwn) {
+  for (FluidParticleState& p : moment_.particles) p.fluid = p.position.x > 0 ? 1 : 0;
+  for (const FluidStyle style : {FluidStyle::surface, FluidStyle::particles}) {
+    const auto bytes = paint(style, FluidColouring::fluid);
+    EXPECT_GT(at(bytes, 26, 16)[2], at(bytes, 26, 16)[0] + 50);
+    EXPECT_LT(at(bytes, 36, 16)[2], at(bytes, 36, 16)[0] - 50);
+  }
+}
+
+TEST_F(FluidPainting, ColoursShowSpeedAndPressure) {
+  for (const FluidStyle style : {FluidStyle::surface, FluidStyle::particles}) {
+    const auto speed = paint(style, FluidColouring::speed), pressure = paint(style, FluidColouring::pressure);
+    EXPECT_GT(at(speed, 38, 19)[0], at(speed, 21, 19)[0] + 80);        // faster to the right, yellow
+    EXPECT_GT(at(pressure, 28, 28)[1], at(pressure, 28, 11)[1] + 40);  // more below
+  }
+}
+
+TEST_F(FluidPainting, ParticlesAreDiscsWithGapsBetween) {
+  const auto bytes = paint(FluidStyle::particles, FluidColouring::fluid);
+  EXPECT_GT(at(bytes, 10, 5)[2], 200);
+  const auto surface = paint(FluidStyle::surface, FluidColouring::fluid);
+  const auto light = [](const std::vector<std::uint8_t>& picture) {
+    int sum = 0;
+    for (int y = 12; y < 28; ++y) {
+      for (int x = 22; x < 38; ++x) sum += at(picture, x, y)[2];
+    }
+    return sum;
+  };
+  EXPECT_LT(light(bytes), 0.95 * light(surface));
+}
+
+TEST_F(FluidPainting, ParticlesOfNoFluidOfTheSceneAreLeftOut) {
+  for (FluidParticleState& p : moment_.particles) p.fluid = 9;
+  const auto none = paint(FluidStyle::surface, FluidColouring::fluid);
+  moment_.particles.clear();
+  EXPECT_EQ(none, paint(FluidStyle::surface, FluidColouring::fluid));
 }
 
 TEST_F(Painting, ContactsHaveTheirColour) {

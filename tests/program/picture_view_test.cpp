@@ -145,6 +145,23 @@ TEST(PictureView, WallsAreShownWhereBodiesUseMostOfTheWorld) {
   EXPECT_LT(width(wall({-5, -5, 25, 25}, Boundary::open).view()), 22);
 }
 
+TEST(PictureView, FluidsCountAsBodiesDo) {
+  Stage stage;
+  stage.scene.fluids.resize(1);
+  stage.scene.fluids[0].fluid.spacing = 0.1;
+  for (int k = 0; k < 400; ++k) {
+    stage.moment.particles.push_back(
+        {static_cast<std::uint32_t>(k), 0, {5 + 0.1 * (k % 20), 0.1 * (k / 20)}, {}, 0, 0});
+  }
+  expect_shows(stage.view(), {5, 0, 6.9, 1.9});
+  EXPECT_LT(width(stage.view()), 2.2);
+  expect_shows(stage.film_view(), {5, 0, 6.9, 1.9});
+  stage.moment.particles.push_back({400, 0, {900, 0}, {}, 0, 0});  // a drop that was flung far
+  EXPECT_LT(width(stage.view()), 2.2);
+  stage.moment.particles.push_back({401, 7, {5, 0}, {}, 0, 0});  // of no fluid of the scene
+  EXPECT_LT(width(stage.view()), 2.2);
+}
+
 TEST(PictureView, NothingInAWorldIsAllOfIt) { expect_shows(Stage({-3, -2, 3, 2}).view(), {-3, -2, 3, 2}); }
 
 }  // namespace

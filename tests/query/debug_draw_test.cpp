@@ -154,6 +154,33 @@ TEST(DebugDraw, ShowsContactsAndForces) {
   EXPECT_EQ(of.count(DrawKind::bounds), 0u) << "the world is open";
 }
 
+TEST(DebugDraw, ShowsParticles) {
+  auto world = make(walled({0, 0, 10, 10}, {0, -kG}));
+  add(*world, disc({5, 5}));
+  std::string error;
+  const FluidId water = world->add_fluid({.spacing = 0.5}, error);
+  ASSERT_EQ(water, 0u) << error;
+  ASSERT_TRUE(world->add_particles(water, std::vector<Vec2>{{1, 1}, {2, 1}, {8, 9}}, {}, error)) << error;
+  Drawn d;
+  ASSERT_TRUE(world->debug_draw(d, {}));
+  ASSERT_EQ(d.parts.size(), 4u);
+  for (std::size_t k = 0; k < 3; ++k) {  // before the body
+    EXPECT_EQ(d.parts[k].kind, DrawKind::particle);
+    EXPECT_EQ(d.parts[k].radius, 0.25);
+    EXPECT_EQ(d.parts[k].body, kNoBody);
+  }
+  EXPECT_EQ(d.parts[1].corners[0].x, 2);
+  DebugDrawOptions options;
+  options.region = Bounds{2.2, 0, 8, 8};
+  Drawn some;
+  ASSERT_TRUE(world->debug_draw(some, options));
+  EXPECT_EQ(some.parts.size(), 2u) << "one reaches into the region";
+  options.particles = false;
+  Drawn none;
+  ASSERT_TRUE(world->debug_draw(none, options));
+  EXPECT_EQ(none.parts.size(), 1u);
+}
+
 // A line leads from each end of a joint to the other.
 TEST(DebugDraw, ShowsJoints) {
   auto world = make(unbounded(20));

@@ -184,6 +184,34 @@ TEST_F(ViewWindow, ColoursByStripAndSolver) {
   EXPECT_NEAR(solver[1], 77, 3);
 }
 
+// Water fills the lower half. F shows particles, V colours them by speed: all rest, dark.
+TEST_F(ViewWindow, FluidsAreSeenAsSurfaceOrParticles) {
+  NEEDS_A_SCREEN();
+  const std::string scene = scratch_.write("w.json", R"({
+  "psim": 1, "name": "wet",
+  "world": {"bounds": [-10, -10, 10, 10], "boundary": "walls", "gravity": [0, 0]},
+  "bodies": [{"type": "kinematic", "shape": {"disc": {"radius": 0.5}}, "position": [9, 9]}],
+  "fluids": [{"region": [-10, -10, 10, 0], "spacing": 0.5}]})");
+  const auto file = [&](char name) { return scratch_.file(std::string(1, name) + ".png"); };
+  const std::string input = script("5 shot " + file('a') + "\n6 key F\n8 shot " + file('b') + "\n9 key V\n11 shot " +
+                                   file('c') + "\n12 key F\n14 shot " + file('d') + "\n15 quit\n");
+  const Outcome outcome = run_view("--scene " + scene + " --play " + input);
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const Picture surface(file('a')), discs(file('b')), dark(file('c')), dark_surface(file('d'));
+  EXPECT_EQ(painted(surface, {-5, -5}, 40), 81 * 81);
+  EXPECT_EQ(painted(surface, {0, 2}, 20), 0);
+  const Vec2 wall = camera_.to_screen({-10, -5});
+  EXPECT_EQ(surface.painted(wall.x + 10, wall.y, 9), 19 * 19);  // no gap at the wall
+  const int some = painted(discs, {-5, -5}, 40);
+  EXPECT_GT(some, 81 * 81 / 2);
+  EXPECT_LT(some, 81 * 81 - 300);
+  const Vec2 middle = camera_.to_screen({-4.75, -4.75});  // of a particle
+  EXPECT_GT(surface.at(middle.x, middle.y)[2], 190);
+  EXPECT_GT(discs.at(middle.x, middle.y)[2], 190);
+  EXPECT_NEAR(dark.at(middle.x, middle.y)[2], 0x87, 4);
+  EXPECT_NEAR(dark_surface.at(middle.x, middle.y)[0], 0x41, 4);
+}
+
 // The keys of the help, by what they change.
 TEST_F(ViewWindow, KeysDoWhatTheHelpSays) {
   NEEDS_A_SCREEN();

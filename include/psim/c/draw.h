@@ -19,7 +19,8 @@ enum psim_draw_kind {
   PSIM_DRAW_JOINT = 6,           ///< from anchor to anchor, or to a body's place
   PSIM_DRAW_CONTACT = 7,         ///< where two bodies touch, and its normal
   PSIM_DRAW_FORCE = 8,           ///< of a contact or joint, N times force_scale
-  PSIM_DRAW_BOUNDS = 9           ///< of the world
+  PSIM_DRAW_BOUNDS = 9,          ///< of the world
+  PSIM_DRAW_PARTICLE = 10        ///< of a fluid
 };
 
 /// Says what is wanted, and has the functions that draw it. `kind` is a psim_draw_kind; places are of the world, metres. A function
@@ -31,13 +32,13 @@ typedef struct psim_debug_draw {
   int32_t contacts;      ///< flag: points, and lines of their normals
   int32_t forces;        ///< flag: lines: of contacts the mean of the last step, of joints its last substep
   int32_t bounds;        ///< flag: the sides of a world that is not open; default 1
-  int32_t has_region;    ///< flag: only bodies and contacts that may reach into `region`
+  int32_t has_region;    ///< flag: only bodies, contacts and particles that may reach into `region`
   int32_t reserved;      ///< 0
   psim_bounds region;    ///< metres
   double force_scale;    ///< m/N; default 0.01
   double normal_length;  ///< metres; default 0.2
   void* user;            ///< given to the functions
-  /// A disc with a spoke at `angle`, radians.
+  /// A disc with a spoke at `angle`, radians. A particle is a disc of half a spacing, without angle and body.
   void (*circle)(void* user, psim_vec2 centre, double radius, double angle, int32_t kind, psim_body_id body);
   /// A convex part: 2 corners of a line or capsule, else 3 to 8 counter-clockwise; rounded by `radius`.
   void (*polygon)(void* user, const psim_vec2* corners, size_t count, double radius, int32_t kind, psim_body_id body);
@@ -45,6 +46,8 @@ typedef struct psim_debug_draw {
   void (*line)(void* user, psim_vec2 from, psim_vec2 to, int32_t kind);
   /// A dot.
   void (*point)(void* user, psim_vec2 at, int32_t kind);
+  int32_t particles;   ///< flag: circles of fluids; default 1
+  int32_t reserved_2;  ///< 0
 } psim_debug_draw;
 
 /// Sets the defaults.
@@ -52,7 +55,7 @@ static inline void psim_debug_draw_init(psim_debug_draw* draw) {
   psim_init(draw, PSIM_STRUCT_DEBUG_DRAW, (uint32_t)sizeof *draw);
 }
 
-/// Calls the functions for bounds, then bodies by id, joints by index, contacts in their order, as they are now.
+/// Calls the functions for bounds, then particles by id, bodies by id, joints by index, contacts in their order, as they are now.
 /// PSIM_ERROR_ARGUMENT if a number is not finite.
 PSIM_API psim_result psim_world_debug_draw(psim_world* world, const psim_debug_draw* draw);
 

@@ -1,6 +1,7 @@
 // World::debug_draw: the observers tell where bodies and contacts are, the joints where their anchors are.
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "base/room.h"
 #include "query/debug_draw.h"
@@ -18,6 +19,20 @@ void draw_bounds(const WorldDesc& desc, DebugDraw& to) {
   const Bounds& b = desc.bounds;
   const Vec2 corners[] = {{b.xmin, b.ymin}, {b.xmax, b.ymin}, {b.xmax, b.ymax}, {b.xmin, b.ymax}};
   for (std::size_t k = 0; k < 4; ++k) to.line(corners[k], corners[(k + 1) % 4], DrawKind::bounds);
+}
+
+void draw_particles(const World& world, const Fluids& fluids, const std::optional<Bounds>& region, DebugDraw& to) {
+  std::vector<FluidParticleState> particles;
+  world.fluid_particles(particles);
+  for (const FluidParticleState& p : particles) {
+    const double radius = fluids.kinds()[p.fluid].spacing / 2;
+    if (region &&
+        !reaches(Bounds{region->xmin - radius, region->ymin - radius, region->xmax + radius, region->ymax + radius},
+                 p.position)) {
+      continue;
+    }
+    to.circle(p.position, radius, 0, DrawKind::particle, kNoBody);
+  }
 }
 
 // A rod or spring is a line; of others the lines lead from the places of the bodies to the anchors.
@@ -68,13 +83,15 @@ bool World::debug_draw(DebugDraw& to, const DebugDrawOptions& options) try {
   if (r && !(ordered(r->xmin, r->xmax) && ordered(r->ymin, r->ymax))) return false;
   if (!std::isfinite(options.force_scale) || !std::isfinite(options.normal_length)) return false;
   if (options.bounds) draw_bounds(w.desc, to);
+  const bool told = std::exchange(ran_out_of_memory(), false);
+  if (options.particles && !w.fluids.kinds().empty()) draw_particles(*this, w.fluids, r, to);
   if (options.bodies) draw_bodies(w.observers.queries, w.observed(), r, to);
   if (options.joints || options.forces) {
     for (std::uint32_t k = 0; k < w.joints.indices(); ++k) draw_joint(*this, w.joints.id_of(k), options, to);
   }
-  if (!options.contacts && !options.forces) return true;
-  const bool told = std::exchange(ran_out_of_memory(), false);
-  for (const Contact& c : contacts()) draw_contact(c, options, w.desc.dt, to);
+  if (options.contacts || options.forces) {
+    for (const Contact& c : contacts()) draw_contact(c, options, w.desc.dt, to);
+  }
   const bool all = !ran_out_of_memory();
   ran_out_of_memory() = told || !all;
   return all;

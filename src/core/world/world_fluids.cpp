@@ -1,5 +1,5 @@
 // Fluids of a world: what the host adds and is told.
-#include <algorithm>
+#include <vector>
 
 #include "base/range_text.h"
 #include "psim/limits.h"
@@ -78,10 +78,17 @@ void World::fluid_particles(std::vector<FluidParticleState>& out) const try {
   const FloatSettings settings;
   std::vector<Fluids::Seen> seen;
   impl_->fluids.look(seen);
-  std::ranges::sort(seen, {}, &Fluids::Seen::id);  // Total order: no two particles have one id.
+  // By id: each has a row of its own, so that nothing is compared.
+  constexpr std::uint32_t kNobody = 0xFFFFFFFFu;
+  std::vector<std::uint32_t> row_of(seen.empty() ? 0 : impl_->fluids.ids(), kNobody);
+  for (std::size_t row = 0; row < seen.size(); ++row) row_of[seen[row].id] = static_cast<std::uint32_t>(row);
   out.clear();
   out.reserve(seen.size());
-  for (const Fluids::Seen& p : seen) out.push_back({p.id, p.fluid, p.place, p.velocity, p.density, p.pressure});
+  for (const std::uint32_t row : row_of) {
+    if (row == kNobody) continue;
+    const Fluids::Seen& p = seen[row];
+    out.push_back({p.id, p.fluid, p.place, p.velocity, p.density, p.pressure});
+  }
 } catch (const std::bad_alloc&) {
   out.clear();
   ran_out_of_memory() = true;

@@ -110,10 +110,10 @@ void check_outputs(const CLI::App& app, Mode mode) {
   }
   if (mode == Mode::run) return;
   for (const char* name :
-       {"--state",        "--metrics",      "--trajectory",      "--image", "--trace",   "--report",
-        "--profile",      "--governor-log", "--governor-replay", "--save",  "--restore", "--record",
-        "--target-error", "--target-ms",    "--frames-dir",      "--video", "--fps",     "--image-size",
-        "--view",         "--colour",       "--fluid-state"}) {
+       {"--state",        "--metrics",      "--trajectory",      "--image",      "--trace",       "--report",
+        "--profile",      "--governor-log", "--governor-replay", "--save",       "--restore",     "--record",
+        "--target-error", "--target-ms",    "--frames-dir",      "--video",      "--fps",         "--image-size",
+        "--view",         "--colour",       "--fluid-state",     "--fluid-look", "--fluid-colour"}) {
     if (app.count(name) > 0) {
       throw UserError(fmt::format("{}: belongs to a run, and nothing is run for a report here", name));
     }

@@ -56,11 +56,14 @@ Bounds read_view(const std::string& text) {
   return {sides[0], sides[1], sides[2], sides[3]};
 }
 
-Colouring read_colouring(const std::string& text) {
-  for (std::size_t k = 0; k < kColouringNames.size(); ++k) {
-    if (text == kColouringNames[k]) return static_cast<Colouring>(k);
+// The value of this name; `rule` says what may be chosen.
+template <class Choice, std::size_t N>
+Choice read_choice(const char* option, const std::string& text, const std::array<const char*, N>& names,
+                   const char* rule) {
+  for (std::size_t k = 0; k < N; ++k) {
+    if (text == names[k]) return static_cast<Choice>(k);
   }
-  refuse("--colour", text, "must be speed, direction, sleep, spin, body, type, force, strip or solver");
+  refuse(option, text, rule);
 }
 
 }  // namespace
@@ -76,6 +79,8 @@ void declare_pictures(CLI::App& app, TypedPictures& typed) {
   value("--view", typed.view, "x0,y0,x1,y1", "part of the world to show, in metres");
   value("--colour", typed.colour, "WHAT",
         "what colours show: speed, direction, sleep, spin, body, type, force, strip or solver (speed)");
+  value("--fluid-look", typed.fluid_look, "LOOK", "how fluids are drawn: surface or particles (surface)");
+  value("--fluid-colour", typed.fluid_colour, "WHAT", "what colours of fluids show: fluid, speed or pressure (fluid)");
 }
 
 PictureOptions read_pictures(const CLI::App& app, const TypedPictures& typed, std::optional<std::uint64_t> every) {
@@ -93,14 +98,26 @@ PictureOptions read_pictures(const CLI::App& app, const TypedPictures& typed, st
   if (given("--fps") && !options.is_film()) {
     throw UserError("--fps: has a meaning only with --frames-dir DIR or --video FILE");
   }
-  for (const char* name : {"--image-size", "--view", "--colour"}) {
+  for (const char* name : {"--image-size", "--view", "--colour", "--fluid-look", "--fluid-colour"}) {
     if (given(name) && !options.is_film() && !given("--image")) {
       throw UserError(fmt::format("{}: has a meaning only with --image, --frames-dir or --video", name));
     }
   }
   if (given("--image-size")) options.size = read_size(typed.size);
   if (given("--view")) options.view = read_view(typed.view);
-  if (given("--colour")) options.colouring = read_colouring(typed.colour);
+  if (given("--colour")) {
+    options.colouring =
+        read_choice<Colouring>("--colour", typed.colour, kColouringNames,
+                               "must be speed, direction, sleep, spin, body, type, force, strip or solver");
+  }
+  if (given("--fluid-look")) {
+    options.fluid_style =
+        read_choice<FluidStyle>("--fluid-look", typed.fluid_look, kFluidStyleNames, "must be surface or particles");
+  }
+  if (given("--fluid-colour")) {
+    options.fluid_colouring = read_choice<FluidColouring>("--fluid-colour", typed.fluid_colour, kFluidColouringNames,
+                                                          "must be fluid, speed or pressure");
+  }
   options.fps = number<double>("--fps", typed.fps, given("--fps"), 0.1, 1000,
                                "must be a number of pictures a second, 0.1 to 1000")
                     .value_or(options.fps);

@@ -92,6 +92,9 @@ void Band::draw(int top, int bottom, std::span<const std::uint32_t> numbers, std
       case FigureKind::ring:
         paint_ring(figure);
         break;
+      case FigureKind::field:
+        paint_field(figure);
+        break;
     }
   }
   for (int y = top; y < bottom; ++y, rgb += 3 * columns) finish_row(y, rgb);
@@ -167,6 +170,72 @@ void Band::paint_ring(const Figure& figure) {
   paint({light_of(figure.colour), Light{}, 1, false, false});
 }
 
+// What was there gives way by as much as does not fit beside it; what is laid over hides all alike.
+inline void Band::put(Light& pixel, Light light, float share, bool shares) {
+  float stays = 1;
+  if (!shares) {
+    stays = 1 - share;
+  } else if (pixel[3] + share > 1) {
+    stays = (1 - share) / pixel[3];
+  }
+  pixel = pixel * stays + light * share;
+}
+
+void Band::paint_field(const Figure& figure) {
+  const FieldArea& area = figures_->fields[figure.first_corner];
+  const double right = area.corner.x + area.cell * (area.columns - 1);
+  const double top = area.corner.y - area.cell * (area.rows - 1);
+  box_ = pixel_box(std::max(area.corner.x, area.low.x), std::max(top, area.low.y), std::min(right, area.high.x),
+                   std::min(area.corner.y, area.high.y), width_, height_);
+  if (box_.left >= box_.right) return;
+  for (int y = std::max(box_.top, top_); y < std::min(box_.bottom, bottom_); ++y) {
+    const double up = std::clamp((area.corner.y - (y + 0.5)) / area.cell, 0.0, area.rows - 1.0);
+    const auto below = std::min(static_cast<std::size_t>(up), static_cast<std::size_t>(area.rows - 2));
+    const auto part = static_cast<float>(up - static_cast<double>(below));
+    const auto columns = static_cast<std::size_t>(area.columns);
+    const std::size_t low = below * columns, high = low + columns;
+    numbers_.resize(columns);
+    slopes_.resize(columns);
+    for (std::size_t i = 0; i < columns; ++i) {
+      slopes_[i] = area.numbers[high + i] - area.numbers[low + i];
+      numbers_[i] = area.numbers[low + i] + part * slopes_[i];
+    }
+    tints_.resize(area.colours.empty() ? 0 : columns);
+    for (std::size_t i = 0; i < tints_.size(); ++i) {
+      tints_[i] = light_of(mix(area.colours[low + i], area.colours[high + i], part));
+    }
+    paint_field_row(area, figure.colour, y);
+  }
+}
+
+// The share of a pixel is taken from how far its middle is from the edge, by the steepness there.
+void Band::paint_field_row(const FieldArea& area, Colour colour, int y) {
+  constexpr float kDeep = 0.35f, kPale = 0.25f;  // beyond the edge the colour is the area's own; share of white at it
+  const double rows = overlap(area.low.y, area.high.y, y);
+  const auto per_cell = static_cast<float>(1 / area.cell);
+  const Light white = light_of({1, 1, 1}), own = light_of(colour);
+  Light* const pixels = pixels_.data() + static_cast<std::ptrdiff_t>(y - top_) * width_;
+  Touched& touched = touched_[static_cast<std::size_t>(y - top_)];
+  touched = {std::min(touched.left, box_.left), std::max(touched.right, box_.right)};
+  for (int x = box_.left; x < box_.right; ++x) {
+    const double along = std::clamp((x + 0.5 - area.corner.x) / area.cell, 0.0, area.columns - 1.0);
+    const auto i = std::min(static_cast<std::size_t>(along), static_cast<std::size_t>(area.columns - 2));
+    const auto part = static_cast<float>(along - static_cast<double>(i));
+    const float right = numbers_[i + 1] - numbers_[i], up = slopes_[i] + part * (slopes_[i + 1] - slopes_[i]);
+    const float beyond = numbers_[i] + part * right - area.edge;
+    const float steep = std::sqrt(right * right + up * up) * per_cell;
+    float share = beyond > steep ? 1.0f : std::clamp(0.5f + beyond / std::max(steep, 1e-12f), 0.0f, 1.0f);
+    share *= static_cast<float>(rows * overlap(area.low.x, area.high.x, x));
+    if (share <= kRoundingShare) continue;
+    if (!tints_.empty()) {
+      put(pixels[x], tints_[i] + (tints_[i + 1] - tints_[i]) * part, share, true);
+      continue;
+    }
+    const float pale = kPale * std::clamp(1 - beyond / kDeep, 0.0f, 1.0f);
+    put(pixels[x], own + (white - own) * pale, share, true);
+  }
+}
+
 void Band::paint(const Look& look) {
   for (int y = box_.top; y < box_.bottom; ++y) {
     const Coverage::Row row = outer_.take_row(y);
@@ -186,16 +255,7 @@ void Band::paint(const Look& look) {
         const float within = at < inside.shares.size() ? inside.shares[at] * look.opacity : 0;
         light = look.rim + (look.light - look.rim) * std::min(within / share, 1.0f);
       }
-      // What was there gives way by as much as does not fit beside it; what is laid over hides all
-      // alike.
-      Light& pixel = pixels[i];
-      float stays = 1;
-      if (!look.shares) {
-        stays = 1 - share;
-      } else if (pixel[3] + share > 1) {
-        stays = (1 - share) / pixel[3];
-      }
-      pixel = pixel * stays + light * share;
+      put(pixels[i], light, share, look.shares);
     }
   }
 }

@@ -48,9 +48,12 @@ class Band {
   void paint_convex(const Figure& figure);
   void paint_line(const Figure& figure);
   void paint_ring(const Figure& figure);
+  void paint_field(const Figure& figure);
+  void paint_field_row(const FieldArea& area, Colour colour, int y);
   bool begin(double x0, double y0, double x1, double y1, bool has_rim);
   bool begin_outline(bool has_rim);
   void paint(const Look& look);
+  static void put(Light& pixel, Light light, float share, bool shares);
   void look_behind(int y);
   void finish_row(int y, std::uint8_t* out);
   void hide_outside(const Backdrop::Rect& window, int y, const Touched& touched);
@@ -65,8 +68,10 @@ class Band {
   Coverage outer_, inner_;               // the figure at work, and what its rim encloses
   PixelBox box_;                         // of that figure
   std::vector<Point> outline_;
-  std::vector<Light> behind_;                     // the background of a row
-  std::vector<std::uint8_t> behind_rgb_;          // the same as bytes
+  std::vector<float> numbers_, slopes_;   // of a field at the height of a row: its numbers, and how they rise upwards
+  std::vector<Light> tints_;              // likewise its colours
+  std::vector<Light> behind_;             // the background of a row
+  std::vector<std::uint8_t> behind_rgb_;  // the same as bytes
   std::vector<double> heights_, heights_before_;  // of each rectangle in it
 };
 

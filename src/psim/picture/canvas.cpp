@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <utility>
 
 #include "picture/parallel.h"
 
@@ -32,6 +33,7 @@ void Canvas::clear(Colour background) {
   backdrop_.window.reset();
   figures_.all.clear();
   figures_.corners.clear();
+  figures_.fields.clear();
   for (auto& numbers : in_band_) numbers.clear();
 }
 
@@ -81,6 +83,18 @@ void Canvas::ring(double x, double y, double radius, double thickness, Colour co
   const double outside = radius + thickness / 2, reach = outside + 0.1;
   note({{x, y}, outside, radius - thickness / 2, colour, 1, 0, 0, FigureKind::ring}, x - reach, y - reach, x + reach,
        y + reach);
+}
+
+void Canvas::field(FieldArea area, Colour colour) {
+  if (area.columns < 2 || area.rows < 2) return;
+  const Point corner = area.corner;
+  const double right = corner.x + area.cell * (area.columns - 1), top = corner.y - area.cell * (area.rows - 1);
+  Figure figure{{}, 0, 0, colour, 1, 0, 0, FigureKind::field};
+  figure.first_corner = static_cast<std::uint32_t>(figures_.fields.size());
+  const Point low{std::max(corner.x, area.low.x), std::max(top, area.low.y)};
+  const Point high{std::min(right, area.high.x), std::min(corner.y, area.high.y)};
+  figures_.fields.push_back(std::move(area));
+  note(figure, low.x, low.y, high.x, high.y);
 }
 
 void Canvas::to_srgb(std::vector<std::uint8_t>& bytes, int threads) {

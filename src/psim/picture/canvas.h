@@ -40,6 +40,9 @@ class Canvas {
   /// Laid over what is there, with round ends, without a rim.
   void line(Point from, Point to, double thickness, Colour colour);
   void ring(double x, double y, double radius, double thickness, Colour colour);
+  /// An area that shares pixels with its neighbours as a disc does. `colour` is that of an area without colours of its
+  /// own, which is paler at its edge.
+  void field(FieldArea area, Colour colour);
 
   /// 8-bit sRGB, rows from the top, 3 bytes a pixel. The same bytes on any number of threads.
   void to_srgb(std::vector<std::uint8_t>& bytes, int threads = 1);

@@ -19,7 +19,7 @@ inline Colour mix(Colour a, Colour b, float t) {
   return {a.r + (b.r - a.r) * t, a.g + (b.g - a.g) * t, a.b + (b.b - a.b) * t};
 }
 
-enum class FigureKind : std::uint8_t { disc, convex, line, ring };
+enum class FigureKind : std::uint8_t { disc, convex, line, ring, field };
 
 /// 56 bytes. Lengths in pixels.
 struct Figure {
@@ -28,14 +28,28 @@ struct Figure {
   double hole = 0;    ///< radius of a ring's inside, if positive
   Colour colour;
   float opacity = 1;               ///< of a disc or a convex
-  std::uint32_t first_corner = 0;  ///< of a convex or a line, in Figures::corners
+  std::uint32_t first_corner = 0;  ///< of a convex or a line, in Figures::corners; of a field, its number
   std::uint16_t corners = 0;
   FigureKind kind = FigureKind::disc;
+};
+
+/// An area that is where a number exceeds an edge: the number is known at the nodes of a grid and runs bilinearly between
+/// them.
+struct FieldArea {
+  Point corner;     ///< pixels: the first node; the next rows lie above it in the picture
+  double cell = 0;  ///< pixels from node to node
+  int columns = 0, rows = 0;
+  float edge = 0;
+  std::vector<float> numbers;   ///< of the nodes, row after row
+  std::vector<Colour> colours;  ///< of the nodes; empty: the figure's
+  /// Nothing is painted outside of x0 to x1 and y0 to y1, pixels.
+  Point low{-1e30, -1e30}, high{1e30, 1e30};
 };
 
 struct Figures {
   std::vector<Figure> all;
   std::vector<Point> corners;
+  std::vector<FieldArea> fields;
 
   std::span<const Point> corners_of(const Figure& figure) const {
     return {corners.data() + figure.first_corner, figure.corners};

@@ -31,7 +31,7 @@ Film::Film(const PictureOptions& options, const Scene& scene, AtomicFile* video,
     : options_(options),
       scene_(scene),
       threads_(threads),
-      painter_(scene, options.colouring),
+      painter_(scene, options),
       view_(scene, painter_.shapes()),
       size_(options.size.value_or(kFilmSize)),
       canvas_(size_.width, size_.height) {
@@ -64,6 +64,8 @@ void Film::draw(const Moment& moment) {
   bright_->speed += kFollow * (now.speed - bright_->speed);
   bright_->spin += kFollow * (now.spin - bright_->spin);
   bright_->force += kFollow * (now.force - bright_->force);
+  bright_->fluid_speed += kFollow * (now.fluid_speed - bright_->fluid_speed);
+  bright_->pressure += kFollow * (now.pressure - bright_->pressure);
   const Bounds view = options_.view ? *options_.view : view_.follow(moment);
   painter_.paint(canvas_, PictureCamera(view, size_.width, size_.height), moment, *bright_);
   canvas_.to_srgb(rgb_, threads_);

@@ -11,7 +11,7 @@ namespace psim::cli {
 void write_image(AtomicFile& file, const Scene& scene, const Moment& moment, const PictureOptions& options,
                  int threads) {
   constexpr int kLongSide = 1600;  // pixels
-  const Painter painter(scene, options.colouring);
+  const Painter painter(scene, options);
   const Bounds view = options.view.value_or(view_of_all(scene, moment, painter.shapes()));
   const PictureSize size = options.size.value_or(size_for(view, kLongSide));
   Canvas canvas(size.width, size.height);

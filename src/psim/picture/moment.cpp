@@ -49,6 +49,7 @@ void take_moment(World& world, Moment& moment, Colouring colouring) {
   for (std::size_t row = 0; row < state.id.size(); ++row) {
     moment.asleep[row] = state.type[row] != BodyType::static_body && !world.is_awake(world.id_of(state.id[row]));
   }
+  world.fluid_particles(moment.particles);
   moment.force.assign(colouring == Colouring::force ? moment.size() : 0, 0.0);
   moment.group.clear();
   moment.links.clear();
@@ -74,6 +75,14 @@ void place_between(const Moment& before, const Moment& after, double alpha, cons
     between.x[row] = along(before.x[old], after.x[row], period_x);
     between.y[row] = along(before.y[old], after.y[row], period_y);
     between.angle[row] = after.angle[row] - (1 - alpha) * (after.angle[row] - before.angle[old]);
+  }
+  std::size_t old = 0;  // both lists are by id
+  for (FluidParticleState& particle : between.particles) {
+    while (old < before.particles.size() && before.particles[old].id < particle.id) ++old;
+    if (old == before.particles.size()) break;
+    if (before.particles[old].id != particle.id) continue;
+    const Vec2 from = before.particles[old].position;
+    particle.position = {along(from.x, particle.position.x, period_x), along(from.y, particle.position.y, period_y)};
   }
 }
 

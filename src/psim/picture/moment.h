@@ -27,16 +27,17 @@ struct Moment {
     std::uint32_t colour = 0;    ///< Contact::colour
   };
   std::vector<Link> links;
+  std::vector<FluidParticleState> particles;  ///< of fluids, by id
 
   std::size_t size() const { return id.size(); }
   /// The row of a body, or size(). O(log n).
   std::size_t row_of(std::uint64_t body) const;
 };
 
-/// The present state, and what the colouring needs. O(bodies), for force and solver O(contacts).
+/// The present state, and what the colouring needs. O(bodies and particles), for force and solver O(contacts).
 void take_moment(World& world, Moment& moment, Colouring colouring);
 
-/// Bodies of `after`, their places and angles at the share `alpha` of the way from `before`, straight on
+/// Bodies and particles of `after`, their places and angles at the share `alpha` of the way from `before`, straight on
 /// and by the nearest way round a periodic world. Who has no row in `before` is where it is in `after`.
 void place_between(const Moment& before, const Moment& after, double alpha, const WorldDesc& world, Moment& between);
 

@@ -29,13 +29,6 @@ const std::array kRamp = {from_srgb(0x414487), from_srgb(0x355f8d), from_srgb(0x
                           from_srgb(0x21918c), from_srgb(0x22a884), from_srgb(0x44bf70),
                           from_srgb(0x7ad151), from_srgb(0xbddf26), from_srgb(0xfde725)};
 
-Colour ramp(double share) {
-  if (!std::isfinite(share)) share = 1;
-  const double at = std::clamp(share, 0.0, 1.0) * static_cast<double>(kRamp.size() - 1);
-  const auto below = std::min(static_cast<std::size_t>(at), kRamp.size() - 2);
-  return mix(kRamp[below], kRamp[below + 1], static_cast<float>(at - static_cast<double>(below)));
-}
-
 // A hue, 0..1 once around from red over yellow, green and blue.
 Colour wheel(double turns) {
   const auto channel = [turns](double from) {
@@ -71,7 +64,28 @@ double nearly_greatest(std::vector<double>& values) {
   return values[static_cast<std::size_t>(at)];
 }
 
+// Water at rest: a particle falls by a tenth of a spacing, and has the pressure of ten spacings of depth.
+void add_fluids(const Scene& scene, const Moment& moment, double gravity, Brightest& most) {
+  if (moment.particles.empty() || scene.fluids.empty()) return;
+  std::vector<double> speeds, pressures;
+  for (const FluidParticleState& p : moment.particles) {
+    const double speed = std::hypot(p.velocity.x, p.velocity.y);
+    if (std::isfinite(speed)) speeds.push_back(speed);
+    if (std::isfinite(p.pressure)) pressures.push_back(p.pressure);
+  }
+  const FluidDesc& first = scene.fluids[0].fluid;
+  most.fluid_speed = std::max({nearly_greatest(speeds), std::sqrt(0.2 * gravity * first.spacing), 1e-12});
+  most.pressure = std::max({nearly_greatest(pressures), 10 * first.density * gravity * first.spacing, 1e-12});
+}
+
 }  // namespace
+
+Colour ramp(double share) {
+  if (!std::isfinite(share)) share = 1;
+  const double at = std::clamp(share, 0.0, 1.0) * static_cast<double>(kRamp.size() - 1);
+  const auto below = std::min(static_cast<std::size_t>(at), kRamp.size() - 2);
+  return mix(kRamp[below], kRamp[below + 1], static_cast<float>(at - static_cast<double>(below)));
+}
 
 // A pile at rest: a body falls by a tenth of its radius, or turns so fast that its rim would.
 Brightest brightest(const Scene& scene, const Moment& moment, const SceneShapes& shapes) {
@@ -86,21 +100,30 @@ Brightest brightest(const Scene& scene, const Moment& moment, const SceneShapes&
     if (!moment.force.empty() && std::isfinite(moment.force[row])) forces.push_back(moment.force[row]);
     radius_sum += moment.radius[row];
   }
-  if (speeds.empty()) return {};
+  Brightest most;
   const double gravity = std::hypot(scene.world.gravity.x, scene.world.gravity.y);
+  add_fluids(scene, moment, gravity, most);
+  if (speeds.empty()) return most;
   const double radius = radius_sum / static_cast<double>(speeds.size());
   const double at_rest = std::sqrt(2 * gravity * 0.1 * radius);
-  return {std::max({nearly_greatest(speeds), at_rest, 1e-12}),
-          std::max({nearly_greatest(spins), radius > 0 ? at_rest / radius : 0, 1e-12}),
-          std::max(nearly_greatest(forces), 1e-300)};
+  most.speed = std::max({nearly_greatest(speeds), at_rest, 1e-12});
+  most.spin = std::max({nearly_greatest(spins), radius > 0 ? at_rest / radius : 0, 1e-12});
+  most.force = std::max(nearly_greatest(forces), 1e-300);
+  return most;
 }
 
-Painter::Painter(const Scene& scene, Colouring colouring) : scene_(scene), colouring_(colouring), shapes_(scene) {}
+Painter::Painter(const Scene& scene, const PictureOptions& options)
+    : scene_(scene),
+      colouring_(options.colouring),
+      fluid_style_(options.fluid_style),
+      fluid_colouring_(options.fluid_colouring),
+      shapes_(scene) {}
 
 void Painter::paint(Canvas& canvas, const PictureCamera& camera, const Moment& moment, const Brightest& bright) const {
   canvas.clear(kOutside);
   paint_world(canvas, camera);
   paint_water(canvas, camera);
+  paint_fluids(canvas, camera, moment, bright);
   paint_bodies(canvas, camera, moment, bright);
   paint_contacts(canvas, camera, moment);
   paint_joints(canvas, camera, moment);

@@ -53,16 +53,30 @@ struct Look {
     return (moment.type[row] == BodyType::static_body) == standing && shapes.is_drawn(moment, row);
   }
   Bounds box(std::size_t row) const { return box_of(shapes.placed(moment, row)); }
+  // A particle moves and is one spacing wide. Empty if its numbers are broken.
+  Bounds box(const FluidParticleState& particle) const {
+    if (particle.fluid >= scene.fluids.size() || !std::isfinite(particle.position.x + particle.position.y)) {
+      return kNothing;
+    }
+    return grown(point_at(particle.position), scene.fluids[particle.fluid].fluid.spacing / 2);
+  }
 };
 
 using Boxes = std::vector<Bounds>;
+constexpr std::size_t kMostParticlesSeen = 4096;  // about: of more, some are asked where the fluids are
 
-// Those of every stride-th body that moves, or of every stride-th that stands.
+// Those of every stride-th body that moves and of particles, or of every stride-th body that stands.
 Boxes sample(const Look& look, bool standing, std::size_t stride) {
   Boxes boxes;
   std::size_t count = 0;
   for (std::size_t row = 0; row < look.moment.size(); ++row) {
     if (look.has(row, standing) && count++ % stride == 0) boxes.push_back(look.box(row));
+  }
+  if (standing) return boxes;
+  const std::vector<FluidParticleState>& particles = look.moment.particles;
+  for (std::size_t k = 0; k < particles.size(); k += std::max<std::size_t>(particles.size() / kMostParticlesSeen, 1)) {
+    const Bounds box = look.box(particles[k]);
+    if (!is_empty(box)) boxes.push_back(box);
   }
   return boxes;
 }
@@ -84,7 +98,7 @@ Bounds neighbourhood(Boxes& boxes, bool open) {
   return grown(most, (open ? kReachOpen : kReach) * longer_side(most));
 }
 
-// The rectangle around all bodies of a kind that lie there. Only those at its sides are looked at closely.
+// The rectangle around all bodies of a kind, and of particles if they move, that lie there. Only those at its sides are looked at closely.
 Bounds around_bodies(const Look& look, bool standing, const Bounds& there) {
   Bounds used = kNothing;
   for (std::size_t row = 0; row < look.moment.size(); ++row) {
@@ -93,6 +107,11 @@ Bounds around_bodies(const Look& look, bool standing, const Bounds& there) {
     if (holds(used, grown(point_at(at), look.shapes.reach(look.moment, row)))) continue;
     const Bounds box = look.box(row);
     if (holds(there, box)) include(used, box);
+  }
+  if (standing) return used;
+  for (const FluidParticleState& particle : look.moment.particles) {
+    const Bounds box = look.box(particle);
+    if (!is_empty(box) && holds(there, box)) include(used, box);
   }
   return used;
 }

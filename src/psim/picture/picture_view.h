@@ -7,7 +7,7 @@
 
 namespace psim::cli {
 
-/// What bodies, joints and wells fill, but for bodies far away from most others; in an open world only a part of ground
+/// What bodies, fluids, joints and wells fill, but for bodies and particles far away from most others; in an open world only a part of ground
 /// that reaches far. On an axis on which that is 60 % of a world with sides, all of it. A little room is left around it.
 Bounds view_of_all(const Scene& scene, const Moment& moment, const SceneShapes& shapes);
 
@@ -32,6 +32,8 @@ class PictureCamera {
 
   Point at(Vec2 metres) const { return {(metres.x - left_) * scale_, (top_ - metres.y) * scale_}; }
   double length(double metres) const { return metres * scale_; }
+  /// The part of the world in a picture of this size.
+  Bounds shown(int width, int height) const { return {left_, top_ - height / scale_, left_ + width / scale_, top_}; }
 
  private:
   double scale_, left_, top_;

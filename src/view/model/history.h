@@ -1,4 +1,5 @@
-// The last frames, to look back at: copies of snapshots, as many as fit into kMostBytes, and the wells of each.
+// The last frames, to look back at: copies of snapshots and particles, as many as fit into kMostBytes, and the wells of
+// each.
 #pragma once
 
 #include <cstddef>
@@ -11,12 +12,13 @@ namespace psim::view {
 class History {
  public:
   /// Copies a frame; the oldest goes.
-  void record(const Snapshot& snapshot, const WellPlaces& wells);
+  void record(const Snapshot& snapshot, const WellPlaces& wells, const FluidPlaces& fluids = {});
   void clear();
   std::size_t size() const { return size_; }
   /// 0: the newest.
   const Snapshot& at(std::size_t back) const { return frames_[place(back)].snapshot; }
   const WellPlaces& wells(std::size_t back) const { return frames_[place(back)].wells; }
+  const FluidPlaces& fluids(std::size_t back) const { return frames_[place(back)].fluids; }
 
  private:
   static constexpr std::size_t kMostBytes = 256u << 20, kMostFrames = 600, kLeastFrames = 8;
@@ -25,6 +27,7 @@ class History {
   struct Frame {
     Snapshot snapshot;
     WellPlaces wells;
+    FluidPlaces fluids;
   };
 
   std::size_t place(std::size_t back) const { return (next_ + frames_.size() - 1 - back) % frames_.size(); }

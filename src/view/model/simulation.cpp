@@ -63,7 +63,10 @@ Scene Simulation::configured() const {
 
 void Simulation::make(bool keep_state) {
   Scene scene = configured();
-  if (keep_state && world_) scene.world.fields = world_->desc().fields;
+  if (keep_state && world_) {
+    scene.world.fields = world_->desc().fields;
+    if (const FluidPlaces fluids = take_fluids(*world_, scene)) carry_fluids(*fluids, scene);
+  }
   cli::check_memory(scene);
   if (world_) let_go();
   std::shared_ptr<World> fresh = cli::make_world(scene, settings_.isa, settings_.threads);
@@ -77,7 +80,7 @@ void Simulation::make(bool keep_state) {
     frames_before_ = 0;
     ++run_serial_;
   }
-  hash_frame_ = kNoFrame;
+  hash_frame_ = fluids_frame_ = kNoFrame;
   hits_.clear();
   world_ = std::move(fresh);
   catalogue_ = std::move(looks);
@@ -270,6 +273,9 @@ void Simulation::tell(Status& status) {
   status.catalogue = told_catalogue_;
   status.joints = joints_;
   status.wells = wells_;
+  if (fluids_frame_ != frame()) fluids_ = take_fluids(*world_, *scene_);
+  fluids_frame_ = frame();
+  status.fluids = fluids_;
   // While it runs, the next step shows what changed.
   const bool no_snapshot = world_->frame() == 0;
   if (changed_ && (paused || no_snapshot)) {

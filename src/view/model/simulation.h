@@ -10,6 +10,7 @@
 
 #include "model/body_columns.h"
 #include "model/catalogue.h"
+#include "model/fluid_look.h"
 #include "psim/scene.h"
 
 namespace psim::view {
@@ -66,6 +67,7 @@ struct Status {
   std::shared_ptr<const Catalogue> catalogue;
   std::shared_ptr<const std::vector<JointLook>> joints;
   WellPlaces wells;
+  FluidPlaces fluids;                     ///< null without fluids
   std::shared_ptr<const Snapshot> still;  ///< if set, newer than the world's latest snapshot
   std::shared_ptr<const TouchLists> touches;
   Settings settings;
@@ -155,6 +157,7 @@ class Simulation {
   Settings settings_;
   Collect collect_;
   WellPlaces wells_;
+  FluidPlaces fluids_;        // of the frame fluids_frame_
   std::vector<Added> added_;  // bodies placed by hand
   std::optional<Grab> grab_;
   std::vector<HitEvent> hits_;
@@ -163,6 +166,7 @@ class Simulation {
   std::uint64_t scene_serial_ = 0, run_serial_ = 0, world_serial_ = 0, steps_left_ = 0, spawned_ = 0;
   std::uint64_t frames_before_ = 0;  // of the worlds that this one goes on from
   std::uint64_t hash_ = 0, hash_frame_ = kNoFrame;
+  std::uint64_t fluids_frame_ = kNoFrame;
   bool changed_ = true;  // since the last step, so that the latest snapshot is out of date
 };
 

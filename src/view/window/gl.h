@@ -12,7 +12,8 @@ namespace psim::view {
 // clang-format off
 #define PSIM_GL_BASE(X) \
   X(BindTexture) X(BlendFunc) X(Clear) X(ClearColor) X(DeleteTextures) X(Disable) X(Enable)    \
-  X(GenTextures) X(GetString) X(PixelStorei) X(ReadPixels) X(Viewport)
+  X(GenTextures) X(GetString) X(PixelStorei) X(ReadPixels) X(TexImage2D) X(TexParameteri)      \
+  X(Viewport)
 
 #define PSIM_GL_LATER(X) \
   X(ActiveTexture, ACTIVETEXTURE) X(AttachShader, ATTACHSHADER) X(BindBuffer, BINDBUFFER)      \

@@ -25,6 +25,12 @@ void choose(const char* label, Choice& choice, const char* const (&names)[N]) {
   if (ImGui::Combo(label, &index, names, static_cast<int>(N))) choice = static_cast<Choice>(index);
 }
 
+template <class Choice, std::size_t N>
+void choose(const char* label, Choice& choice, const std::array<const char*, N>& names) {
+  int index = static_cast<int>(choice);
+  if (ImGui::Combo(label, &index, names.data(), static_cast<int>(N))) choice = static_cast<Choice>(index);
+}
+
 // True once the slider was let go with a new value.
 bool slider(const char* label, double& value, double low, double high, const char* format, bool& held,
             ImGuiSliderFlags flags = 0) {
@@ -68,6 +74,7 @@ void Panels::show_counts(const Status& status, const ShownFrame& shown, const Fr
   };
   text(fmt::format("{} bodies, {} awake, {} joints", cli::grouped(shown.bodies), count(&StepReport::awake),
                    cli::grouped(status.joints->size())));
+  if (status.fluids) text(fmt::format("{} particles", cli::grouped(status.fluids->particles)));
   text(fmt::format("{} pairs, {} contacts", count(&StepReport::pairs), count(&StepReport::contacts)));
   const double seconds = static_cast<double>(shown.frame) * status.world->desc().dt;
   text(fmt::format("frame {}, {:.2f} s{}", shown.frame, seconds,
@@ -104,9 +111,13 @@ void Panels::show_run(const Status& status, const ShownFrame& shown, const Frame
   }
 }
 
-void Panels::show_look(const Status&) {
+void Panels::show_look(const Status& status) {
   if (!ImGui::CollapsingHeader("look", ImGuiTreeNodeFlags_DefaultOpen)) return;
   choose("colour", state_.colouring, kColouringNames);
+  if (status.fluids) {
+    choose("fluids", state_.fluids.style, cli::kFluidStyleNames);
+    choose("fluid colour", state_.fluids.colouring, cli::kFluidColouringNames);
+  }
   OverlayChoice& o = state_.overlays;
   ImGui::Checkbox("grid", &o.grid);
   ImGui::SameLine(0.5f * kWidth);
@@ -201,6 +212,7 @@ void Panels::show_help() {
       "R               restart\n"
       "[ and ]         scene before and after\n"
       "C               next colouring\n"
+      "F V             fluids as surface or particles, their next colouring\n"
       "G J K H T       grid, joints, contacts with normals, hits, trails\n"
       "Home            show the whole scene\n"
       "Tab             panels on and off\n"

@@ -1,7 +1,9 @@
 #include "window/tools.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 namespace psim::view {
@@ -9,6 +11,11 @@ namespace {
 
 constexpr double kZoomStep = 1.15;
 constexpr double kReachPixels = 8;  // how near a click must be to a body
+
+template <class Choice, std::size_t N>
+Choice next_of(Choice choice, const std::array<const char*, N>&) {
+  return static_cast<Choice>((static_cast<std::size_t>(choice) + 1) % N);
+}
 
 }  // namespace
 
@@ -148,6 +155,10 @@ bool Tools::key(std::string_view name, const Status& status, std::size_t frames_
   } else if (name == "C") {
     const int next = (static_cast<int>(state_.colouring) + 1) % kColouringCount;
     state_.colouring = static_cast<Colouring>(next);
+  } else if (name == "F") {
+    state_.fluids.style = next_of(state_.fluids.style, cli::kFluidStyleNames);
+  } else if (name == "V") {
+    state_.fluids.colouring = next_of(state_.fluids.colouring, cli::kFluidColouringNames);
   } else if (bool* const overlay = overlay_of(name)) {
     *overlay = !*overlay;
   } else if (name == "Tab") {

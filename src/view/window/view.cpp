@@ -122,7 +122,7 @@ void View::look_at_simulation() {
   if (new_frame) {
     seen_frame_ = live_->frame;
     seen_at_s_ = now_s();
-    history_.record(*live_, status_.wells);
+    history_.record(*live_, status_.wells, status_.fluids);
     overlays_.note(status_);
   }
   state_.back = std::min(state_.back, history_.size() - 1);
@@ -151,12 +151,19 @@ float View::alpha() const {
   return static_cast<float>(std::clamp((now_s() - seen_at_s_) / dt, 0.0, 1.0));
 }
 
+// Particles of the frame that is shown.
+const FluidLook* View::fluids() const {
+  return (state_.back > 0 ? history_.fluids(state_.back) : status_.fluids).get();
+}
+
 void View::draw() {
   times_.interval_ms += 0.05 * (between_.lap_ms() - times_.interval_ms);
   state_.camera.resize(window_.width(), window_.height());
   Stopwatch watch;
   look_at_simulation();
   overlays_.build(status_, bodies_, state_.camera, alpha(), history_, state_.back, state_.overlays, state_.colouring);
+  fluids_.build(fluids(), status_.world->desc(), state_.camera, alpha(), state_.fluids);
+  if (!fluids_.parts().empty() && fluid_renderer_ == nullptr) fluid_renderer_ = std::make_unique<FluidRenderer>();
   const double prepare = watch.lap_ms();
   renderer_.upload(bodies_, state_.colouring);
   renderer_.upload(overlays_.below, overlays_.above);
@@ -170,6 +177,7 @@ void View::draw() {
 
   renderer_.clear(window_.width(), window_.height());
   renderer_.draw_below(state_.camera);
+  if (fluid_renderer_ != nullptr) fluid_renderer_->draw(fluids_, state_.camera, status_.world->desc());
   renderer_.draw_bodies(state_.camera, alpha(), state_.colouring);
   renderer_.draw_above(state_.camera);
   window_.draw_panels();
@@ -196,6 +204,14 @@ Bounds View::home() const {
     used = {std::min(used.xmin, p.x - r), std::min(used.ymin, p.y - r), std::max(used.xmax, p.x + r),
             std::max(used.ymax, p.y + r)};
   };
+  const auto include_fluids = [&] {
+    if (status_.fluids == nullptr) return;
+    for (const FluidRows& rows : status_.fluids->fluids) {
+      for (const Vec2& at : rows.place) {
+        if (std::isfinite(at.x + at.y)) include(at, rows.spacing / 2);
+      }
+    }
+  };
   for (const bool moving : {true, false}) {  // what stands still counts where nothing moves
     for (std::size_t row = 0; row < bodies_.size(); ++row) {
       const std::uint32_t look = bodies_.looks()[row];
@@ -204,6 +220,7 @@ Bounds View::home() const {
       const Kind& kind = status_.catalogue->kinds()[look & kKindMask];
       include(at, kind.reach > 0 ? kind.reach : static_cast<double>(live_->radius[row]));
     }
+    if (moving) include_fluids();
     if (used.xmin <= used.xmax) break;
   }
   Bounds view = status_.world->desc().bounds;

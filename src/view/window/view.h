@@ -12,6 +12,7 @@
 #include "model/history.h"
 #include "model/input_script.h"
 #include "model/sim_thread.h"
+#include "window/fluid_renderer.h"
 #include "window/overlays.h"
 #include "window/panels.h"
 #include "window/renderer.h"
@@ -35,6 +36,7 @@ class View {
   void play(std::uint64_t frame);
   void look_at_simulation();
   float alpha() const;
+  const FluidLook* fluids() const;
   void draw();
   void write_picture(const std::string& path);
   Bounds home() const;
@@ -60,6 +62,8 @@ class View {
   BodyColumns bodies_;
   History history_;
   Overlays overlays_;
+  FluidDrawing fluids_;
+  std::unique_ptr<FluidRenderer> fluid_renderer_;  // made for the first world with fluids
   FrameTimes times_;
   Stopwatch between_;
   int pictures_ = 0;

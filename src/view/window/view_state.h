@@ -7,6 +7,7 @@
 
 #include "model/body_columns.h"
 #include "model/camera.h"
+#include "model/fluid_drawing.h"
 #include "window/overlays.h"
 
 namespace psim::view {
@@ -21,6 +22,7 @@ struct ViewState {
   Camera camera;
   Colouring colouring = Colouring::speed;
   OverlayChoice overlays;
+  FluidChoice fluids;
   bool panels = true, help = false;
   bool go_home = true;  ///< show the whole scene
   bool take_picture = false;
