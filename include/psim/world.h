@@ -250,7 +250,7 @@ class PSIM_API World {
   /// Adds particles at these places, metres, inside the world's bounds, as fast as `velocities` says, m/s, or at rest if
   /// there are none. Ids go on from those before. False and one line in `error`, and nothing changes, if there is no such
   /// fluid, the spans differ in length, a number is out of its range (psim/limits.h), or the world would have more than
-  /// kMostParticles. Bodies and particles do not meet yet (docs/fluids.md). O(particles that are added).
+  /// kMostParticles. Those within a body come out of it (docs/fluids.md). O(particles that are added).
   bool add_particles(FluidId fluid, std::span<const Vec2> positions, std::span<const Vec2> velocities,
                      std::string& error);
   /// All particles by id, into `out`, whose memory is used again. O(particles).

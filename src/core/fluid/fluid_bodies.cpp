@@ -35,9 +35,11 @@ void TileSolids::find(const SolidFinder& finder, std::span<const std::uint64_t> 
     finder.find(corner, -1.0 * far, Vec2{wide, high} + far, found);
     const float cell = static_cast<float>(std::max(space.cell_x, space.cell_y));
     for (const SolidFinder::Found& f : found) {
-      FluidSolid& solid = by_tile_[t].emplace_back(fluid_solid(f.outline, f.centre, cell));
+      FluidSolid solid = fluid_solid(f.outline, f.centre, cell);
+      if (!std::isfinite((solid.high_x - solid.low_x) + (solid.high_y - solid.low_y))) continue;  // of a broken body
       solid.body = f.id;
       solid.order = f.order;
+      by_tile_[t].push_back(solid);
     }
     // Total order: the copies of a shape in a periodic world lie at different places.
     std::ranges::sort(by_tile_[t], [](const FluidSolid& a, const FluidSolid& b) {
