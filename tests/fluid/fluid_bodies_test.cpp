@@ -74,8 +74,8 @@ TEST(FluidSolids, SharesOfSquaresAddUpToTheArea) {
         sum += double{share} * double{kSide} * double{kSide};
       }
     }
-    // A corner within a square is off by a part of it.
-    EXPECT_NEAR(sum, double{s.area}, 0.5 * double{kSide} * double{kSide}) << "shape " << k;
+    // In squares with a corner or an arc a straight edge is a little off.
+    EXPECT_NEAR(sum, double{s.area}, double{kSide} * double{kSide}) << "shape " << k;
   }
 }
 
@@ -222,6 +222,20 @@ TEST(FluidBodies, GoOnFromASavedState) {
   auto world = stirred(best_isa(), 1);
   run(*world, 40);
   expect_resumes(*world, 20, "bodies in water");
+}
+
+TEST(FluidBodies, ComeAndGo) {
+  auto world = make(walled({0, 0, 2, 2}));
+  pour(*world, 2, 1);
+  for (int k = 0; k < 6; ++k) {
+    const BodyId id = add(*world, disc({1, 0.8}, {0, -2}, 0.2));
+    run(*world, 5);
+    EXPECT_TRUE(world->remove_body(id));
+    run(*world, 2);
+  }
+  for (const FluidParticleState& p : particles_of(*world)) {
+    ASSERT_TRUE(std::isfinite(p.position.x + p.position.y) && length_of(p.velocity) < 20) << p.id;
+  }
 }
 
 TEST(FluidBodies, SensorsAndFilteredShapesMeetNoWater) {

@@ -58,7 +58,10 @@ class TileSolids {
   /// Finds the shapes within `reach` m of tiles with these keys.
   void find(const SolidFinder& finder, std::span<const std::uint64_t> keys, const FluidSpace& space, float reach,
             WorkerPool& pool);
-  void clear() { by_tile_.clear(); }
+  void clear() {
+    by_tile_.clear();
+    any_ = false;
+  }
   bool any() const { return any_; }
   std::span<FluidSolid> at(std::size_t tile) {
     return tile < by_tile_.size() ? std::span(by_tile_[tile]) : std::span<FluidSolid>();
