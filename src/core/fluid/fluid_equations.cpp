@@ -14,12 +14,11 @@ using S = FluidSolver;
 
 namespace {
 
-constexpr float kLeastSeen = 0.02f;  // a cell whose kernel sees less that is open is none
-constexpr float kMostlySolid =
-    0.4f;  // a cell whose kernel sees less that bodies leave open is as full as its neighbours
-constexpr float kLeastOpen = 0.01f;  // a face of which bodies leave less is closed
-constexpr float kSolidSeen = 0.3f;   // and one that sees less than this is no surface for its neighbours
-constexpr float kMostUneven = 0.5f;  // errors of the density are mended in steps of this
+constexpr float kLeastSeen = 0.02f;   // a cell whose kernel sees less that is open is none
+constexpr float kSolidSeen = 0.3f;    // and one that sees less than this is no surface for its neighbours
+constexpr float kMostlySolid = 0.4f;  // a cell of which bodies leave less to be seen is as full as its neighbours
+constexpr float kLeastOpen = 0.01f;   // a face of which bodies leave less is closed
+constexpr float kMostUneven = 0.5f;   // errors of the density are mended in steps of this
 constexpr float kLeastWay = 0.1f, kMostWay = 1.25f;  // from the middle of a full cell to a surface, cells
 constexpr float kLeastFall = 0.25f;                  // of the depth from a full cell to one that is not
 

@@ -146,6 +146,11 @@ void FluidParticles::look_around(const FluidSpace& space, const kernels::FluidMo
   bodies.look_around(old_keys_, space, reach, pool);
 }
 
+void FluidParticles::note_places(std::size_t begin, std::size_t end, std::vector<Place2>& places) const {
+  places.clear();
+  for (std::size_t k = begin; k < end; ++k) places.push_back({list_[k].x, list_[k].y});
+}
+
 // Moves the particles of a job, and notes the tile of each and the tiles that they are in or near.
 void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const kernels::FluidMotion& motion,
                                 const kernels::KernelTable& kernels, FluidBodies& bodies) {
@@ -156,11 +161,7 @@ void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const 
   std::uint64_t last = 0;
   float last_wide = 0, last_high = 0;
   std::uint32_t sides = 0;  // that particles of the tile `last` are near
-  std::vector<Place2>& places = chunks_[job].from;
-  if (bodies.there()) {
-    places.clear();
-    for (std::size_t k = begin; k < end; ++k) places.push_back({list_[k].x, list_[k].y});
-  }
+  if (bodies.there()) note_places(begin, end, chunks_[job].from);
   kernels.move_fluid(list_.data() + begin, end - begin, motion);
   std::uint32_t of = old_tile_[job];
   std::uint64_t from = 0;  // the tile that the particles were in
@@ -184,7 +185,7 @@ void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const 
       high = width_of(from_y, space.cells_y);
       solids = bodies.there() ? bodies.around(place_in(old_keys_, was)) : std::span<FluidSolid>();
     }
-    if (!solids.empty()) keep_out_of(bodies, solids, places[k - begin], motion.dt, space, p);
+    if (!solids.empty()) keep_out_of(bodies, solids, chunks_[job].from[k - begin], motion.dt, space, p);
     if (walls) {
       const auto x = static_cast<float>(kTile * from_x), y = static_cast<float>(kTile * from_y);
       keep_between(p.x, p.u, 1 + kApart - x, 1 + space.wide - kApart - x);

@@ -68,6 +68,7 @@ class FluidParticles {
  private:
   void move_chunk(std::size_t job, const FluidSpace& space, const kernels::FluidMotion& motion,
                   const kernels::KernelTable& kernels, FluidBodies& bodies);
+  void note_places(std::size_t begin, std::size_t end, std::vector<Place2>& places) const;
   void look_around(const FluidSpace& space, const kernels::FluidMotion& motion, WorkerPool& pool, FluidBodies& bodies);
   void lay_tiles(const FluidSpace& space, FluidGrid& grid);
   void count_chunk(std::size_t job, const FluidGrid& grid);
