@@ -17,7 +17,7 @@ inline constexpr FluidId kNoFluid = 0xFFFFFFFFu;
 /// So many particles can be in a world.
 inline constexpr std::size_t kMostParticles = 10'000'000;
 
-/// What a fluid is made of. A particle has the mass density * spacing^2.
+/// This says what a fluid is made of. A particle has the mass density * spacing^2.
 struct FluidDesc {
   double spacing = 0;     ///< metres, 1e-3 to 1e3: particles of a full region are so far apart
   double density = 1000;  ///< kg/m^2, > 0

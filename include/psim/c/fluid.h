@@ -8,7 +8,7 @@
 extern "C" {
 #endif
 
-/// What a fluid is made of. A particle has the mass density * spacing^2.
+/// This says what a fluid is made of. A particle has the mass density * spacing^2.
 typedef struct psim_fluid_desc {
   uint32_t struct_size;  ///< set by psim_fluid_desc_init
   int32_t reserved;      ///< 0

@@ -28,7 +28,7 @@ struct FluidBody {
   double inv_inertia = 0;  ///< 1/(kg m^2)
 };
 
-/// What fluids do to a body.
+/// A fluid does this to a body in a step.
 struct FluidForce {
   std::uint32_t id = 0, generation = 0;
   Vec2 force = {};          ///< N: mean of the last step
@@ -37,7 +37,7 @@ struct FluidForce {
   double spin_impulse = 0;  ///< N m s
 };
 
-/// Who tells a fluid of the bodies around it.
+/// A fluid asks a finder for the bodies around it.
 class SolidFinder {
  public:
   struct Found {

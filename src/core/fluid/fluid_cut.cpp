@@ -110,7 +110,7 @@ void FluidCut::cover(std::uint32_t k) {
   }
 }
 
-// What lies beyond walls counts as theirs.
+// Squares beyond the walls of the world belong to the walls, not to bodies.
 void FluidCut::end_at_walls() {
   if (space_.boundary != Boundary::walls) return;
   constexpr float kNext = 0.125f;  // of what lies within the walls, the next square beyond sees so much at most
