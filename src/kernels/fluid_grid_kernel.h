@@ -45,21 +45,36 @@ PSIM_INLINE inline F<L> operator_at(const FluidLevel& a, const float* x, std::si
   return L::load(a.diagonal + n) * L::load(x + n) - ((left + right) + (below + above));
 }
 
-/// x = weight * right / diagonal: a smoothing sweep that begins with zeros.
-template <class L>
-void begin_fluid(const FluidLevel& a, const float* right, float weight, float* x) {
-  const F<L> w = weight;
-  for_tile<L>([&](std::size_t n)
-                  PSIM_INLINE_LAMBDA { L::store(x + n, w * L::load(a.reciprocal + n) * L::load(right + n)); });
+/// Calls each(node) for every register of a tile's nodes and its halo.
+template <class L, class Each>
+PSIM_INLINE inline void for_halo(const Each& each) {
+  static_assert(kTileFloats % L::width == 0);
+  for (std::size_t n = 0; n < kTileFloats; n += L::width) each(n);
 }
 
-/// to = x + weight * (right - A x) / diagonal: a smoothing sweep.
+/// x = two smoothing sweeps that begin with zeros: first * right / diagonal, and then another. Needs the halo of `right` and
+/// of the reciprocals.
 template <class L>
-void smooth_fluid(const FluidLevel& a, const float* right, float weight, const float* x, float* to) {
-  const F<L> w = weight;
+void begin_fluid(const FluidLevel& a, const float* right, float first, float second, float* x) {
+  float once[kTileFloats];
+  const F<L> w1 = first, w2 = second;
+  for_halo<L>([&](std::size_t n)
+                  PSIM_INLINE_LAMBDA { L::store(once + n, w1 * L::load(a.reciprocal + n) * L::load(right + n)); });
   for_tile<L>([&](std::size_t n) PSIM_INLINE_LAMBDA {
-    const F<L> residual = L::load(right + n) - operator_at<L>(a, x, n);
-    L::store(to + n, L::load(x + n) + w * L::load(a.reciprocal + n) * residual);
+    const F<L> residual = L::load(right + n) - operator_at<L>(a, once, n);
+    L::store(x + n, L::load(once + n) + w2 * L::load(a.reciprocal + n) * residual);
+  });
+}
+
+/// to = x + weight * (right - A x) / diagonal: a smoothing sweep. Returns right times `to`.
+template <class L>
+double smooth_fluid(const FluidLevel& a, const float* right, float weight, const float* x, float* to) {
+  const F<L> w = weight;
+  return tile_sum<L>([&](std::size_t n) PSIM_INLINE_LAMBDA {
+    const F<L> r = L::load(right + n);
+    const F<L> y = L::load(x + n) + w * L::load(a.reciprocal + n) * (r - operator_at<L>(a, x, n));
+    L::store(to + n, y);
+    return r * y;
   });
 }
 
@@ -72,13 +87,15 @@ void fluid_residual(const FluidLevel& a, const float* right, const float* x, flo
   });
 }
 
-/// to = A x; returns x to.
+/// way = z + share * way, with the halo, which both have; change = A way. Returns way times `change`.
 template <class L>
-double apply_fluid(const FluidLevel& a, const float* x, float* to) {
+double turn_fluid(const FluidLevel& a, const float* z, float share, float* way, float* change) {
+  const F<L> s = share;
+  for_halo<L>([&](std::size_t n) PSIM_INLINE_LAMBDA { L::store(way + n, L::load(z + n) + s * L::load(way + n)); });
   return tile_sum<L>([&](std::size_t n) PSIM_INLINE_LAMBDA {
-    const F<L> y = drop(L::load(a.diagonal + n) <= F<L>(0.0f), operator_at<L>(a, x, n));
-    L::store(to + n, y);
-    return L::load(x + n) * y;
+    const F<L> y = drop(L::load(a.diagonal + n) <= F<L>(0.0f), operator_at<L>(a, way, n));
+    L::store(change + n, y);
+    return L::load(way + n) * y;
   });
 }
 
@@ -97,18 +114,6 @@ float advance_fluid(float step, const float* way, const float* change, float* x,
   L::store(lanes, most);
   for (std::uint32_t k = 1; k < L::width; ++k) lanes[0] = lanes[k] > lanes[0] ? lanes[k] : lanes[0];
   return lanes[0];
-}
-
-/// way = z + share * way.
-template <class L>
-void turn_fluid(const float* z, float share, float* way) {
-  const F<L> s = share;
-  for_tile<L>([&](std::size_t n) PSIM_INLINE_LAMBDA { L::store(way + n, L::load(z + n) + s * L::load(way + n)); });
-}
-
-template <class L>
-double fluid_product(const float* a, const float* b) {
-  return tile_sum<L>([&](std::size_t n) PSIM_INLINE_LAMBDA { return L::load(a + n) * L::load(b + n); });
 }
 
 }  // namespace

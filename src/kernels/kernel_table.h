@@ -81,13 +81,11 @@ struct KernelTable {
   void (*scatter_fluid)(const FluidParticle*, std::size_t count, const FluidMotion&, const FluidSums&);
   void (*gather_fluid)(FluidParticle*, std::size_t count, const FluidMotion&, const FluidFields&);
   void (*move_fluid)(FluidParticle*, std::size_t count, const FluidMotion&);
-  void (*begin_fluid)(const FluidLevel&, const float* right, float weight, float* x);
-  void (*smooth_fluid)(const FluidLevel&, const float* right, float weight, const float* x, float* to);
+  void (*begin_fluid)(const FluidLevel&, const float* right, float first, float second, float* x);
+  double (*smooth_fluid)(const FluidLevel&, const float* right, float weight, const float* x, float* to);
   void (*fluid_residual)(const FluidLevel&, const float* right, const float* x, float* residual);
-  double (*apply_fluid)(const FluidLevel&, const float* x, float* to);
+  double (*turn_fluid)(const FluidLevel&, const float* z, float share, float* way, float* change);
   float (*advance_fluid)(float step, const float* way, const float* change, float* x, float* residual);
-  void (*turn_fluid)(const float* z, float share, float* way);
-  double (*fluid_product)(const float* a, const float* b);
 };
 
 extern const KernelTable kScalarKernels;

@@ -123,10 +123,8 @@ constexpr KernelTable table_of() {
       .begin_fluid = begin_fluid<L>,
       .smooth_fluid = smooth_fluid<L>,
       .fluid_residual = fluid_residual<L>,
-      .apply_fluid = apply_fluid<L>,
-      .advance_fluid = advance_fluid<L>,
       .turn_fluid = turn_fluid<L>,
-      .fluid_product = fluid_product<L>,
+      .advance_fluid = advance_fluid<L>,
   };
 }
 

@@ -54,16 +54,41 @@ void TileSolids::find(const SolidFinder& finder, std::span<const std::uint64_t> 
   any_ = std::ranges::any_of(by_tile_, [](const auto& solids) { return !solids.empty(); });
 }
 
-void FluidBodies::begin(const SolidFinder* finder, double density) {
+void FluidBodies::begin(const SolidFinder* finder, double density, double dt) {
   density_ = density;
+  dt_ = dt;
   finder_ = finder != nullptr && finder->any() ? finder : nullptr;
+  known_.swap(forces_);
+  forces_.clear();
+  given_.clear();
+}
+
+void FluidBodies::begin_part() {
   around_.clear();
   solids_.clear();
   bodies_.clear();
   tiles_.clear();
-  known_.swap(forces_);
-  forces_.clear();
   moving_ = false;
+}
+
+namespace {
+
+const FluidForce* find_force(const std::vector<FluidForce>& forces, std::uint32_t id, std::uint32_t generation) {
+  const auto at = std::ranges::lower_bound(forces, id, {}, &FluidForce::id);
+  return at != forces.end() && at->id == id && at->generation == generation ? &*at : nullptr;
+}
+
+}  // namespace
+
+// What the parts of this step gave to a body. Before the first part its last force is that of the step before.
+FluidForce FluidBodies::so_far(std::uint32_t id, std::uint32_t generation) const {
+  if (const FluidForce* f = find_force(given_, id, generation)) return *f;
+  FluidForce none{id, generation};
+  if (const FluidForce* f = find_force(known_, id, generation)) {
+    none.force = f->force;
+    none.torque = f->torque;
+  }
+  return none;
 }
 
 // Gives shapes the numbers of their bodies, which are looked up by id.
@@ -92,20 +117,23 @@ void FluidBodies::look_around(std::span<const std::uint64_t> keys, const FluidSp
   number(around_);
 }
 
-void FluidBodies::look(const FluidGrid& grid, const FluidSpace& space, double dt, double known, WorkerPool& pool) {
+void FluidBodies::look(const FluidGrid& grid, const FluidSpace& space, double part, double known, WorkerPool& pool) {
   share_ = known;
   if (finder_ == nullptr) return;
   constexpr float kReach = 2;  // cells
   solids_.find(*finder_, grid.keys, space, kReach * static_cast<float>(std::max(space.cell_x, space.cell_y)), pool);
   number(solids_);
   tiles_.assign(grid.size(), Tile());
-  // Bodies have moved with all of the last force; here its share counts, since pressure gives the rest.
+  // Bodies have moved with all of the last step's force. Here it counts as far as parts of this step have given it; of the
+  // next part its share counts, since pressure gives the rest.
   for (FluidBody& b : bodies_) {
     moving_ = moving_ || b.inv_mass > 0;
-    const auto at = std::ranges::lower_bound(known_, b.id, {}, &FluidForce::id);
-    if (at == known_.end() || at->id != b.id || at->generation != b.generation) continue;
-    b.velocity = b.velocity - (1 - known) * dt * b.inv_mass * at->force;
-    b.spin -= (1 - known) * dt * b.inv_inertia * at->torque;
+    const FluidForce given = so_far(b.id, b.generation);
+    const FluidForce* moved = find_force(known_, b.id, b.generation);
+    const Vec2 push = given.impulse + known * part * given.force - (moved != nullptr ? dt_ * moved->force : Vec2{});
+    const double turn = given.spin_impulse + known * part * given.torque - (moved != nullptr ? dt_ * moved->torque : 0);
+    b.velocity = b.velocity + b.inv_mass * push;
+    b.spin += b.inv_inertia * turn;
   }
 }
 
@@ -215,29 +243,26 @@ double FluidBodies::apply(FluidGrid& grid, std::size_t x, std::size_t change) {
   return product;
 }
 
-void FluidBodies::bear(FluidGrid& grid, std::size_t pressure, double dt) {
+void FluidBodies::bear(FluidGrid& grid, std::size_t pressure, double part) {
   if (any()) sum_rows(grid, pressure);
-  forces_.clear();
-  const auto add = [&](std::uint32_t id, std::uint32_t generation, Vec2 given, double turned) {
-    FluidForce f{id, generation, {}, 0, given, turned};
-    const auto at = std::ranges::lower_bound(known_, id, {}, &FluidForce::id);
-    const bool met = given != Vec2{} || turned != 0;
-    if (at != known_.end() && at->id == id && at->generation == generation) {
-      f.impulse = given - (1 - share_) * dt * at->force;
-      f.spin_impulse = turned - (1 - share_) * dt * at->torque;
-      if (met) {
-        f.force = share_ * at->force;
-        f.torque = share_ * at->torque;
-      }
-    }
-    f.force = f.force + (1 / dt) * given;
-    f.torque += turned / dt;
-    if (met || f.impulse != Vec2{} || f.spin_impulse != 0) forces_.push_back(f);
+  next_.clear();
+  const auto add = [&](std::uint32_t id, std::uint32_t generation, Vec2 pushed, double turned) {
+    FluidForce f = so_far(id, generation);
+    const bool met = pushed != Vec2{} || turned != 0;
+    const Vec2 impulse = pushed + share_ * part * f.force;
+    const double spin_impulse = turned + share_ * part * f.torque;
+    f.impulse = f.impulse + impulse;
+    f.spin_impulse += spin_impulse;
+    f.force = met ? (1 / part) * impulse : Vec2{};
+    f.torque = met ? spin_impulse / part : 0;
+    next_.push_back(f);
   };
+  // Those that had a force and are met no more come in between, by id.
+  const std::vector<FluidForce>& had = given_.empty() ? known_ : given_;
   std::size_t k = 0;
-  const auto add_until = [&](std::uint32_t id) {  // known ones that were not met
-    for (; k < known_.size() && known_[k].id < id; ++k) add(known_[k].id, known_[k].generation, {}, 0);
-    if (k < known_.size() && known_[k].id == id) ++k;
+  const auto add_until = [&](std::uint32_t id) {
+    for (; k < had.size() && had[k].id < id; ++k) add(had[k].id, had[k].generation, {}, 0);
+    if (k < had.size() && had[k].id == id) ++k;
   };
   for (std::size_t b = 0; b < bodies_.size() && any(); ++b) {
     add_until(bodies_[b].id);
@@ -245,6 +270,23 @@ void FluidBodies::bear(FluidGrid& grid, std::size_t pressure, double dt) {
     add(bodies_[b].id, bodies_[b].generation, {density_ * sum.x, density_ * sum.y}, density_ * sum.turn);
   }
   add_until(~0u);
+  given_.swap(next_);
+}
+
+void FluidBodies::finish() {
+  for (const FluidForce& given : given_) {
+    const FluidForce* moved = find_force(known_, given.id, given.generation);
+    FluidForce f = given;
+    if (given.force != Vec2{} || given.torque != 0) {
+      f.force = (1 / dt_) * given.impulse;
+      f.torque = given.spin_impulse / dt_;
+    }
+    if (moved != nullptr) {
+      f.impulse = f.impulse - dt_ * moved->force;
+      f.spin_impulse -= dt_ * moved->torque;
+    }
+    if (f.force != Vec2{} || f.torque != 0 || f.impulse != Vec2{} || f.spin_impulse != 0) forces_.push_back(f);
+  }
 }
 
 void FluidBodies::clear() {
@@ -253,11 +295,13 @@ void FluidBodies::clear() {
   bodies_.clear();
   tiles_.clear();
   known_.clear();
+  given_.clear();
   forces_.clear();
 }
 
 std::size_t FluidBodies::bytes() const {
-  return bodies_.capacity() * sizeof(FluidBody) + (forces_.capacity() + known_.capacity()) * sizeof(FluidForce);
+  const std::size_t forces = forces_.capacity() + known_.capacity() + given_.capacity() + next_.capacity();
+  return bodies_.capacity() * sizeof(FluidBody) + forces * sizeof(FluidForce);
 }
 
 }  // namespace psim

@@ -76,14 +76,16 @@ class TileSolids {
 class FluidBodies : public SolverRows {
  public:
   explicit FluidBodies(FluidSolver& solver) : solver_(solver) {}
-  /// A step begins. `finder` may be null.
-  /// `density`: kg/m^2 of what pressure is counted in.
-  void begin(const SolidFinder* finder, double density);
+  /// A step of dt seconds begins. `finder` may be null. `density`: kg/m^2 of what pressure is counted in.
+  void begin(const SolidFinder* finder, double density, double dt);
+  /// A part of it begins. Bodies lie where they are at the end of the step: the first part sees them move there.
+  void begin_part();
   bool there() const { return finder_ != nullptr; }
   /// Finds the shapes around tiles that particles leave, for ways of up to `reach` m.
   void look_around(std::span<const std::uint64_t> keys, const FluidSpace& space, float reach, WorkerPool& pool);
-  /// Finds the shapes at the tiles of this step. `before`: the share of the last force that counts as known.
-  void look(const FluidGrid& grid, const FluidSpace& space, double dt, double known, WorkerPool& pool);
+  /// Finds the shapes at the tiles of this part of a step, of `part` seconds. `known`: the share of the last force that
+  /// counts as known.
+  void look(const FluidGrid& grid, const FluidSpace& space, double part, double known, WorkerPool& pool);
   bool any() const { return solids_.any(); }
   std::span<FluidSolid> around(std::size_t k) { return around_.at(k); }
   std::span<FluidSolid> at(std::size_t tile) { return solids_.at(tile); }
@@ -103,8 +105,10 @@ class FluidBodies : public SolverRows {
   double apply(FluidGrid& grid, std::size_t x, std::size_t change) override;
   /// Whether some body moves with pressure.
   bool any_moving() const { return moving_; }
-  /// Finds forces from the pressure that was found. After look().
-  void bear(FluidGrid& grid, std::size_t pressure, double dt);
+  /// Takes down what the pressure that was found gives to bodies in a part of `part` seconds. After look().
+  void bear(FluidGrid& grid, std::size_t pressure, double part);
+  /// Sums up the parts of a step.
+  void finish();
   const std::vector<FluidForce>& forces() const { return forces_; }
 
   void clear();
@@ -132,15 +136,18 @@ class FluidBodies : public SolverRows {
   friend class FluidCut;
   void number(TileSolids& of);
   void sum_rows(FluidGrid& grid, std::size_t x);
+  FluidForce so_far(std::uint32_t id, std::uint32_t generation) const;
 
   FluidSolver& solver_;
   const SolidFinder* finder_ = nullptr;
   TileSolids around_, solids_;
-  std::vector<FluidBody> bodies_;  // by id; with their velocity before pressure
-  std::vector<FluidForce> forces_, known_;
+  std::vector<FluidBody> bodies_;           // by id; with their velocity before pressure
+  std::vector<FluidForce> forces_, known_;  // of this step and of the one before, by id
+  // What the parts of this step gave, by id: impulses, and the force in the last of them.
+  std::vector<FluidForce> given_, next_;
   std::vector<Tile> tiles_;
   std::vector<Sum> sums_, gains_;  // by body
-  double density_ = 1, share_ = 0;
+  double density_ = 1, share_ = 0, dt_ = 0;
   bool moving_ = false;
 };
 

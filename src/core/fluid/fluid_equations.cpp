@@ -175,7 +175,7 @@ class Setup {
     }
   }
   void take_shares() {
-    grid_.pull_ring(S::kShare, t_);
+    grid_.pull_ring(S::kShare, t_, S::kShare, FluidGrid::kNothing);
     const float* share = field(S::kShare);
     for (std::int32_t j = -1; j <= tile_.high + 1; ++j) {
       for (std::int32_t i = -1; i <= tile_.wide + 1; ++i) {
@@ -297,6 +297,19 @@ void find_shares(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
   Setup(grid, tile, space, true).find_shares();
 }
 
+bool has_full_cell(const FluidGrid& grid, std::size_t t, const FluidSpace& space) {
+  const FluidTile& tile = grid.tiles[t];
+  const Axis x(Open{space.wide}, kTile * tile.x), y(Open{space.high}, kTile * tile.y);
+  const float* volume = grid.field(S::kVolume, t);
+  for (std::int32_t j = 0; j < tile.high; ++j) {
+    for (std::int32_t i = 0; i < tile.wide; ++i) {
+      const float seen = x.seen[static_cast<std::size_t>(i) + 1] * y.seen[static_cast<std::size_t>(j) + 1];
+      if (seen > kLeastSeen && volume[tile_node(i, j)] / seen > kFullCell) return true;
+    }
+  }
+  return false;
+}
+
 FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& space, bool bodies) {
   return Setup(grid, tile, space, bodies).run();
 }
@@ -320,11 +333,12 @@ WallsBeside walls_beside(const FluidSpace& space, const FluidTile& tile, std::in
   return {x.cell(column - 1) == 0, x.cell(column + 1) == 0, y.cell(row - 1) == 0, y.cell(row + 1) == 0};
 }
 
-void correct_faces(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
+float correct_faces(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
   const FluidTile& of = grid.tiles[tile];
-  grid.pull_cross(S::kPressure, tile);
-  grid.pull_cross(S::kEven, tile);
+  for (const S::Field f : {S::kPressure, S::kEven, S::kDiagonal}) grid.pull_active(f, tile);
   const float *pressure = grid.field(S::kPressure, tile), *even = grid.field(S::kEven, tile);
+  const float* diagonal = grid.field(S::kDiagonal, tile);
+  float fastest = 0;
   const auto run = [&](std::array<S::Field, 6> f, std::size_t back, float per_cell) {
     const float *valid = grid.field(f[0], tile), *slope = grid.field(f[1], tile), *old = grid.field(f[2], tile);
     float *to = grid.field(f[3], tile), *gain = grid.field(f[4], tile), *shift = grid.field(f[5], tile);
@@ -338,19 +352,21 @@ void correct_faces(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
         to[n] = slope[n] > 0 ? old[n] - by * (pressure[n] - pressure[n - back]) : 0;
         gain[n] = to[n] - old[n];
         shift[n] = -by * (even[n] - even[n - back]);
+        if (diagonal[n] > 0 && diagonal[n - back] > 0) fastest = std::max(fastest, std::fabs(to[n]));
       }
     }
   };
   run({S::kValidU, S::kSlopeX, S::kU, S::kNewU, S::kGainU, S::kShiftU}, 1, static_cast<float>(1 / space.cell_x));
   run({S::kValidV, S::kSlopeY, S::kV, S::kNewV, S::kGainV, S::kShiftV}, kTilePitch,
       static_cast<float>(1 / space.cell_y));
+  return fastest;
 }
 
 void pull_faces(FluidGrid& grid, std::size_t tile, bool viscous) {
   for (const S::Field f : {S::kValidU, S::kValidV, S::kGainU, S::kGainV, S::kShiftU, S::kShiftV})
-    grid.pull_cross(f, tile);
+    grid.pull_near(f, tile);
   if (!viscous) return;
-  for (const S::Field f : {S::kDragU, S::kDragV}) grid.pull_cross(f, tile);
+  for (const S::Field f : {S::kDragU, S::kDragV}) grid.pull_near(f, tile);
 }
 
 void extend_faces(FluidGrid& grid, std::size_t tile, bool viscous) {
@@ -384,7 +400,9 @@ void extend_faces(FluidGrid& grid, std::size_t tile, bool viscous) {
 
 // The velocities are kept in kWay and kChange, which the solver has done with.
 void find_slip(FluidGrid& grid, std::size_t tile) {
-  for (const S::Field f : {S::kNewU, S::kNewV, S::kSeen, S::kSolidU, S::kSolidV}) grid.pull_ring(f, tile);
+  for (const S::Field f : {S::kSeen, S::kSolidU, S::kSolidV}) grid.pull_ring(f, tile);
+  grid.pull_ring(S::kNewU, tile, S::kNewU, S::kU);
+  grid.pull_ring(S::kNewV, tile, S::kNewV, S::kV);
   const float *u = grid.field(S::kNewU, tile), *v = grid.field(S::kNewV, tile), *seen = grid.field(S::kSeen, tile);
   const float *body_u = grid.field(S::kSolidU, tile), *body_v = grid.field(S::kSolidV, tile);
   const FluidTile& of = grid.tiles[tile];

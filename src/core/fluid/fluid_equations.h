@@ -22,6 +22,9 @@ inline constexpr float kFullCell = 0.575f;
 /// first of which lies half a spacing below the surface. A kernel is `spacings` wide: 2 that of a cell.
 float share_below(float t, float spacings);
 
+/// Whether a cell of a tile is full, where there are no bodies.
+bool has_full_cell(const FluidGrid& grid, std::size_t tile, const FluidSpace& space);
+
 /// Makes the equations of a tile: its links and its diagonal; in kRight what pressure must undo, m^2/s, and in kUneven
 /// what a displacement must, m^2. All tiles have their sums then (fluid_transfer.h).
 /// `bodies`: there are some; they are drawn (fluid_cut.h), and all tiles have their shares.
@@ -39,8 +42,9 @@ struct WallsBeside {
 };
 WallsBeside walls_beside(const FluidSpace& space, const FluidTile& tile, std::int32_t i, std::int32_t j);
 
-/// New velocities and displacements on the faces of full cells, from the solutions kPressure and kEven.
-void correct_faces(FluidGrid& grid, std::size_t tile, const FluidSpace& space);
+/// New velocities and displacements on the faces of full cells, from the solutions kPressure and kEven. Returns the
+/// fastest of faces between two of them, m/s.
+float correct_faces(FluidGrid& grid, std::size_t tile, const FluidSpace& space);
 /// Fetches from the neighbours what extend_faces() reads, before any tile is extended.
 void pull_faces(FluidGrid& grid, std::size_t tile, bool viscous);
 /// Faces that belong to no full cell gain as much as those beside them that do, on the mean. Farther away nothing changes.

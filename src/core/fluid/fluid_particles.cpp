@@ -153,7 +153,7 @@ void FluidParticles::note_places(std::size_t begin, std::size_t end, std::vector
 
 // Moves the particles of a job, and notes the tile of each and the tiles that they are in or near.
 void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const kernels::FluidMotion& motion,
-                                const kernels::KernelTable& kernels, FluidBodies& bodies) {
+                                const kernels::KernelTable& kernels, FluidBodies& bodies, float bodies_moved) {
   const std::size_t begin = job * kChunk, end = std::min(count_, begin + kChunk), old = count_ - added_.size();
   const bool wraps = space.boundary == Boundary::periodic, walls = space.boundary == Boundary::walls;
   std::vector<std::uint64_t>& keys = chunks_[job].keys;
@@ -185,7 +185,7 @@ void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const 
       high = width_of(from_y, space.cells_y);
       solids = bodies.there() ? bodies.around(place_in(old_keys_, was)) : std::span<FluidSolid>();
     }
-    if (!solids.empty()) keep_out_of(bodies, solids, chunks_[job].from[k - begin], motion.dt, space, p);
+    if (!solids.empty()) keep_out_of(bodies, solids, chunks_[job].from[k - begin], bodies_moved, space, p);
     if (walls) {
       const auto x = static_cast<float>(kTile * from_x), y = static_cast<float>(kTile * from_y);
       keep_between(p.x, p.u, 1 + kApart - x, 1 + space.wide - kApart - x);
@@ -235,7 +235,8 @@ void FluidParticles::count_chunk(std::size_t job, const FluidGrid& grid) {
 }
 
 void FluidParticles::move(const FluidSpace& space, const kernels::FluidMotion& motion,
-                          const kernels::KernelTable& kernels, FluidGrid& grid, WorkerPool& pool, FluidBodies& bodies) {
+                          const kernels::KernelTable& kernels, FluidGrid& grid, WorkerPool& pool, FluidBodies& bodies,
+                          float bodies_moved) {
   const std::size_t jobs = (count_ + kChunk - 1) / kChunk;
   sorted_.reserve(list_.capacity());
   tile_of_.reserve(list_.capacity());
@@ -248,7 +249,7 @@ void FluidParticles::move(const FluidSpace& space, const kernels::FluidMotion& m
     old_tile_[job] = tile;
   }
   if (bodies.there()) look_around(space, motion, pool, bodies);
-  pool.run(jobs, [&](std::size_t job) { move_chunk(job, space, motion, kernels, bodies); });
+  pool.run(jobs, [&](std::size_t job) { move_chunk(job, space, motion, kernels, bodies, bodies_moved); });
   lay_tiles(space, grid);
   pool.run(jobs, [&](std::size_t job) { count_chunk(job, grid); });
   std::uint32_t first = 0;

@@ -51,9 +51,9 @@ class FluidParticles {
   /// Adds a particle at a place, in cells.
   void add(double x, double y, Vec2 velocity, std::uint32_t fluid, const FluidSpace& space);
   /// Moves particles on by a step, keeps them within the walls, sorts them, and makes the tiles of `grid` for them.
-  /// `bodies`: particles do not pass their shapes.
+  /// `bodies`: particles do not pass their shapes, which have moved for `bodies_moved` seconds to where they are.
   void move(const FluidSpace& space, const kernels::FluidMotion& motion, const kernels::KernelTable& kernels,
-            FluidGrid& grid, WorkerPool& pool, FluidBodies& bodies);
+            FluidGrid& grid, WorkerPool& pool, FluidBodies& bodies, float bodies_moved);
   /// Moves the particles of a tile out of its shapes, into which they went from these places, cells.
   void keep_out(const FluidTile& tile, std::span<const FluidSolid> solids, std::span<const Place2> from, float dt,
                 const FluidSpace& space, const FluidBodies& bodies);
@@ -67,7 +67,7 @@ class FluidParticles {
 
  private:
   void move_chunk(std::size_t job, const FluidSpace& space, const kernels::FluidMotion& motion,
-                  const kernels::KernelTable& kernels, FluidBodies& bodies);
+                  const kernels::KernelTable& kernels, FluidBodies& bodies, float bodies_moved);
   void note_places(std::size_t begin, std::size_t end, std::vector<Place2>& places) const;
   void look_around(const FluidSpace& space, const kernels::FluidMotion& motion, WorkerPool& pool, FluidBodies& bodies);
   void lay_tiles(const FluidSpace& space, FluidGrid& grid);

@@ -76,7 +76,7 @@ class FluidSolver {
   FluidGrid& grid() { return finest_; }
   const FluidGrid& grid() const { return finest_; }
   std::size_t bytes() const;
-  /// Makes the coarser levels for the equations in the finest one.
+  /// Makes the coarser levels for the equations of the finest one, which are those of its active tiles.
   void coarsen(const FluidSpace& space);
   /// Solves for `x`, which holds a first guess, with the right sides `right`, until no residual is larger than `tolerance`.
   /// Returns the number of iterations.
@@ -86,30 +86,43 @@ class FluidSolver {
   /// Calls job(tile) for every tile of the finest level, on all threads.
   template <class Job>
   void each_tile(const Job& job) {
-    each(finest_, job);
+    run(finest_.size(), job);
+  }
+  /// Calls job(tile) for these tiles.
+  template <class Job>
+  void each_of(const std::vector<std::uint32_t>& tiles, const Job& job) {
+    run(tiles.size(), [&](std::size_t k) { job(std::size_t{tiles[k]}); });
   }
 
  private:
   static constexpr std::size_t kTilesAJob = 4;
 
   template <class Job>
-  void each(FluidGrid& level, const Job& job) {
-    const std::size_t tiles = level.size();
-    if (tiles < 2 * kTilesAJob) {
-      for (std::size_t t = 0; t < tiles; ++t) job(t);
+  void run(std::size_t n, const Job& job) {
+    if (n < 2 * kTilesAJob) {
+      for (std::size_t k = 0; k < n; ++k) job(k);
       return;
     }
-    pool_.run((tiles + kTilesAJob - 1) / kTilesAJob, [&](std::size_t k) {
-      for (std::size_t t = k * kTilesAJob; t < std::min(tiles, (k + 1) * kTilesAJob); ++t) job(t);
+    pool_.run((n + kTilesAJob - 1) / kTilesAJob, [&](std::size_t part) {
+      for (std::size_t k = part * kTilesAJob; k < std::min(n, (part + 1) * kTilesAJob); ++k) job(k);
     });
+  }
+  /// The active tiles of a level.
+  template <class Job>
+  void each(FluidGrid& level, const Job& job) {
+    each_of(level.active, job);
   }
   FluidGrid& level(std::size_t l) { return l == 0 ? finest_ : *coarser_[l - 1]; }
   kernels::FluidLevel view(FluidGrid& of, std::size_t tile) {
     return {of.field(kLinkX, tile), of.field(kLinkY, tile), of.field(kDiagonal, tile), of.field(kReciprocal, tile)};
   }
-  /// kSolution = about the inverse of the equations times the field `right`.
+  /// kSolution = about the inverse of the equations times the field `right`. Of the finest level, parts_ hold the products of
+  /// the two.
   void cycle(std::size_t l, Field right);
-  double sum(const std::vector<double>& parts) const;
+  void restrict_residual(std::size_t l, std::size_t tile, Field right);
+  void prolong(std::size_t l, std::size_t tile);
+  void fill_coarse(FluidGrid& fine, FluidGrid& coarse);
+  double sum() const;
 
   const kernels::KernelTable& kernels_;
   WorkerPool& pool_;
@@ -118,8 +131,9 @@ class FluidSolver {
   std::vector<std::unique_ptr<FluidGrid>> coarser_;
   std::size_t levels_ = 1;
   std::vector<std::uint64_t> keys_;
-  std::vector<double> parts_;
-  std::vector<float> most_;
+  std::vector<std::uint32_t> all_;  // tiles of a coarser level
+  std::vector<double> parts_;       // of sums, by tile
+  std::vector<float> most_;         // by tile
 };
 
 }  // namespace psim

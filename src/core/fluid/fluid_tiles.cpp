@@ -94,7 +94,10 @@ void FluidGrid::lay(const std::vector<std::uint64_t>& of, const FluidSpace& spac
       tile.near[k] = there ? find(key) : FluidTile::kNone;
     }
   }
-  floats_.reserve(keys.size() * fields_ * kTileFloats);
+  active.clear();
+  const std::size_t floats = keys.size() * fields_ * kTileFloats;
+  floats_.release_if_short(floats);
+  floats_.reserve_loosely(floats);
 }
 
 namespace {
@@ -106,34 +109,69 @@ void copy_nodes(float* to, std::int32_t i, std::int32_t j, const float* from, st
     float* row = to + tile_node(i, j + b);
     if (from == nullptr) {
       std::fill_n(row, wide, 0.0f);
+    } else if (wide == kTile) {  // the compiler knows how long it is
+      std::copy_n(from + tile_node(from_i, from_j + b), kTile, row);
     } else {
       std::copy_n(from + tile_node(from_i, from_j + b), wide, row);
     }
   }
 }
 
-}  // namespace
-
-void FluidGrid::pull_cross(std::size_t f, std::size_t tile) {
-  const FluidTile& t = tiles[tile];
-  float* to = field(f, tile);
-  const auto of = [&](int k) { return t.near[k] == FluidTile::kNone ? nullptr : field(f, t.near[k]); };
-  const auto wide = [&](int k) { return t.near[k] == FluidTile::kNone ? 0 : tiles[t.near[k]].wide; };
-  const auto high = [&](int k) { return t.near[k] == FluidTile::kNone ? 0 : tiles[t.near[k]].high; };
-  copy_nodes(to, -1, 0, of(3), wide(3) - 1, 0, 1, t.high);
-  copy_nodes(to, t.wide, 0, of(5), 0, 0, 1, t.high);
-  copy_nodes(to, 0, -1, of(1), 0, high(1) - 1, t.wide, 1);
-  copy_nodes(to, 0, t.high, of(7), 0, 0, t.wide, 1);
+void copy_column(float* to, std::int32_t i, const float* from, std::int32_t from_i, std::int32_t high) {
+  for (std::int32_t j = 0; j < high; ++j) to[tile_node(i, j)] = from == nullptr ? 0 : from[tile_node(from_i, j)];
 }
 
-void FluidGrid::pull_ring(std::size_t f, std::size_t tile) {
+}  // namespace
+
+template <class There>
+void FluidGrid::pull_four(std::size_t f, std::size_t tile, const There& there) {
+  const FluidTile& t = tiles[tile];
+  float* to = field(f, tile);
+  const auto near = [&](int k) {
+    const std::uint32_t n = t.near[k];
+    return n != FluidTile::kNone && there(tiles[n]) ? &tiles[n] : nullptr;
+  };
+  const FluidTile *left = near(3), *right = near(5), *below = near(1), *above = near(7);
+  const auto of = [&](int k, const FluidTile* n) { return n == nullptr ? nullptr : field(f, t.near[k]); };
+  copy_column(to, -1, of(3, left), left == nullptr ? 0 : left->wide - 1, t.high);
+  copy_column(to, t.wide, of(5, right), 0, t.high);
+  copy_nodes(to, 0, -1, of(1, below), 0, below == nullptr ? 0 : below->high - 1, t.wide, 1);
+  copy_nodes(to, 0, t.high, of(7, above), 0, 0, t.wide, 1);
+}
+
+void FluidGrid::pull_cross(std::size_t f, std::size_t tile) {
+  pull_four(f, tile, [](const FluidTile&) { return true; });
+}
+
+void FluidGrid::pull_active(std::size_t f, std::size_t tile) {
+  pull_four(f, tile, [](const FluidTile& t) { return t.active; });
+}
+
+void FluidGrid::pull_near(std::size_t f, std::size_t tile) {
+  pull_four(f, tile, [](const FluidTile& t) { return !t.dry; });
+}
+
+void FluidGrid::clear_halo(std::size_t f, std::size_t tile) {
+  const FluidTile& t = tiles[tile];
+  if (t.wide < kTile) copy_column(field(f, tile), t.wide, nullptr, 0, t.high);
+  if (t.high < kTile) copy_nodes(field(f, tile), 0, t.high, nullptr, 0, 0, t.wide, 1);
+}
+
+void FluidGrid::activate(const std::vector<std::uint32_t>& these) {
+  for (const std::uint32_t t : active) tiles[t].active = false;
+  active.assign(these.begin(), these.end());
+  for (const std::uint32_t t : active) tiles[t].active = true;
+}
+
+void FluidGrid::pull_ring(std::size_t f, std::size_t tile, std::size_t of_near, std::size_t of_dry) {
   const FluidTile& t = tiles[tile];
   float* to = field(f, tile);
   for (int k = 0; k < 9; ++k) {
     if (k == 4) continue;
     const int dx = k % 3 - 1, dy = k / 3 - 1;
-    const bool there = t.near[k] != FluidTile::kNone;
-    const FluidTile* n = there ? &tiles[t.near[k]] : nullptr;
+    const FluidTile* n = t.near[k] == FluidTile::kNone ? nullptr : &tiles[t.near[k]];
+    const std::size_t of = n != nullptr && n->dry ? of_dry : of_near;
+    if (of == kNothing) n = nullptr;
     const std::int32_t wide = dx < 0 ? 1 : dx > 0 ? 2 : t.wide, high = dy < 0 ? 1 : dy > 0 ? 2 : t.high;
     copy_nodes(to,
                dx < 0   ? -1
@@ -142,8 +180,8 @@ void FluidGrid::pull_ring(std::size_t f, std::size_t tile) {
                dy < 0   ? -1
                : dy > 0 ? t.high
                         : 0,
-               there ? field(f, t.near[k]) : nullptr, dx < 0 && there ? n->wide - 1 : 0,
-               dy < 0 && there ? n->high - 1 : 0, wide, high);
+               n != nullptr ? field(of, t.near[k]) : nullptr, dx < 0 && n != nullptr ? n->wide - 1 : 0,
+               dy < 0 && n != nullptr ? n->high - 1 : 0, wide, high);
   }
 }
 

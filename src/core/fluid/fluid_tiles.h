@@ -33,6 +33,8 @@ struct FluidTile {
   std::uint32_t near[9] = {};          ///< those around it from the lower left one on, itself among them, or kNone
   std::uint32_t coarse = 0;            ///< of the coarser level
   std::uint32_t first = 0, count = 0;  ///< particles in it
+  bool active = false;                 ///< whether cells of it have equations: FluidGrid::active
+  bool dry = false;  ///< neither it nor a tile beside it has full cells: of its fields only sums count
 };
 
 /// A number by which tiles are in order.
@@ -66,12 +68,27 @@ class FluidGrid {
   }
   /// Fills the halo of a tile from its neighbours: what a sum over four neighbours needs, or all of it.
   void pull_cross(std::size_t f, std::size_t tile);
-  void pull_ring(std::size_t f, std::size_t tile);
+  void pull_ring(std::size_t f, std::size_t tile) { pull_ring(f, tile, f, f); }
+  /// The same from the field `of_near` of neighbours that are not dry, and `of_dry` of those that are, or zeros for
+  /// kNothing.
+  static constexpr std::size_t kNothing = ~std::size_t{0};
+  void pull_ring(std::size_t f, std::size_t tile, std::size_t of_near, std::size_t of_dry);
+  /// As pull_cross(), but neighbours that are not active, or those that are dry, count as zeros.
+  void pull_active(std::size_t f, std::size_t tile);
+  void pull_near(std::size_t f, std::size_t tile);
+  /// Sets to zero what of the halo lies among the 16 x 16 nodes that kernels run over: in tiles of fewer cells.
+  void clear_halo(std::size_t f, std::size_t tile);
+  /// Makes these tiles active, and no other. They are in order.
+  void activate(const std::vector<std::uint32_t>& these);
 
   std::vector<FluidTile> tiles;
   std::vector<std::uint64_t> keys;
+  std::vector<std::uint32_t> active;  ///< the tiles on which equations are solved, in order
 
  private:
+  template <class There>
+  void pull_four(std::size_t f, std::size_t tile, const There& there);
+
   Column<float> floats_;
   std::size_t fields_;
 };

@@ -106,13 +106,27 @@ void gather_particles(FluidGrid& grid, std::size_t t, FluidParticles& particles,
                       const kernels::FluidMotion& motion, bool viscous) {
   const FluidTile& tile = grid.tiles[t];
   if (tile.count == 0) return;
-  for (const S::Field f : {S::kNewU, S::kNewV, S::kGainU, S::kGainV, S::kShiftU, S::kShiftV, S::kFill})
-    grid.pull_ring(f, t);
+  const auto field = [&](S::Field f) { return static_cast<const float*>(grid.field(f, t)); };
+  if (tile.dry) {
+    static constexpr float kNone[kTileFloats] = {};
+    grid.pull_ring(S::kU, t, S::kNewU, S::kU);
+    grid.pull_ring(S::kV, t, S::kNewV, S::kV);
+    kernels::FluidMotion alone = motion;
+    alone.spreading = 0;
+    const kernels::FluidFields from = {field(S::kU), field(S::kV), kNone,           kNone,   kNone,  kNone,
+                                       kNone,        kNone,        field(S::kFine), nullptr, nullptr};
+    return kernels.gather_fluid(particles.data() + tile.first, tile.count, alone, from);
+  }
+  grid.pull_ring(S::kNewU, t, S::kNewU, S::kU);
+  grid.pull_ring(S::kNewV, t, S::kNewV, S::kV);
+  for (const S::Field f : {S::kGainU, S::kGainV, S::kShiftU, S::kShiftV}) {
+    grid.pull_ring(f, t, f, FluidGrid::kNothing);
+  }
+  grid.pull_ring(S::kFill, t, S::kFill, S::kVolume);
   if (viscous) {
-    for (const S::Field f : {S::kDragU, S::kDragV}) grid.pull_ring(f, t);
+    for (const S::Field f : {S::kDragU, S::kDragV}) grid.pull_ring(f, t, f, FluidGrid::kNothing);
   }
   pull_fine(grid, t);
-  const auto field = [&](S::Field f) { return static_cast<const float*>(grid.field(f, t)); };
   const kernels::FluidFields from = {field(S::kNewU),
                                      field(S::kNewV),
                                      field(S::kGainU),

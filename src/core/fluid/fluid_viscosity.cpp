@@ -34,7 +34,7 @@ double Viscosity::theta() const {
 float make_viscous_equations(FluidGrid& grid, std::size_t t, const FluidSpace& space, const Viscosity& by, Component of,
                              bool bodies) {
   const Names names = names_of(of);
-  for (const S::Field f : {names.valid, names.slope}) grid.pull_cross(f, t);
+  for (const S::Field f : {names.valid, names.slope}) grid.pull_near(f, t);
   for (const S::Field f : {names.open, names.solid}) {
     if (bodies) grid.pull_cross(f, t);
   }

@@ -27,6 +27,9 @@ constexpr float kFullStrain =
 // What is left of the equations' right sides is at most this share of the largest.
 constexpr float kPressureTolerance = 1e-4f, kEvenTolerance = 1e-2f, kDragTolerance = 1e-5f;
 constexpr int kMostIterations = 100;
+// Water crosses at most so many cells in a part of a step, or fewer where the mean error of the density is larger than this.
+constexpr double kMostCells = 6, kFewerCells = 4, kUnevenMean = 0.015;
+constexpr int kMostParts = 8;  // of a step
 
 }  // namespace
 
@@ -63,62 +66,92 @@ std::uint32_t Fluids::add_kind(const FluidKind& kind) {
 }
 
 void Fluids::add(std::uint32_t fluid, Vec2 place, Vec2 velocity) {
+  fastest_ = std::max({fastest_, static_cast<float>(std::fabs(velocity.x)), static_cast<float>(std::fabs(velocity.y))});
   particles_.add((place.x - space_.left) / space_.cell_x, (place.y - space_.bottom) / space_.cell_y, velocity, fluid,
                  space_);
 }
 
 void Fluids::step(double dt, Vec2 gravity, const SolidFinder* finder) {
-  if (particles_.size() == 0) return;
+  bodies_.begin(finder, kinds_.empty() ? 1 : kinds_[0].density, dt);
+  iterations_ = 0;
+  const int parts = parts_of(dt, gravity);
+  for (int k = 0; k < parts; ++k) {
+    dt_ = dt / parts;
+    bodies_.begin_part();
+    if (particles_.size() > 0) step_part(gravity, k == 0 ? dt : 0);
+    bodies_.bear(solver_.grid(), S::kPressure, dt_);
+  }
+  bodies_.finish();
+}
+
+// A step is taken in parts if water moves far in it: where it is stopped, cells would get too full in one.
+int Fluids::parts_of(double dt, Vec2 gravity) const {
+  const double most = error_mean_ > kUnevenMean ? kFewerCells : kMostCells;
+  const double speed = double{fastest_} + dt * std::max(std::fabs(gravity.x), std::fabs(gravity.y));
+  const double cells = speed * dt / std::min(space_.cell_x, space_.cell_y);
+  return cells < most * kMostParts ? std::max(1, static_cast<int>(std::ceil(cells / most))) : kMostParts;
+}
+
+void Fluids::step_part(Vec2 gravity, double bodies_moved) {
   FluidGrid& grid = solver_.grid();
   const auto f = [](double a) { return static_cast<float>(a); };
-  motion_ = {f(dt),
-             f(gravity.x),
-             f(gravity.y),
-             kHistory,
-             kCalming,
-             kSpreading,
-             1 / kFullStrain,
-             f(space_.cell_x),
-             f(space_.cell_y),
-             f(1 / space_.cell_x),
-             f(1 / space_.cell_y),
-             volume_.data(),
+  motion_ = {f(dt_),           f(gravity.x),         f(gravity.y),         kHistory,
+             kCalming,         kSpreading,           1 / kFullStrain,      f(space_.cell_x),
+             f(space_.cell_y), f(1 / space_.cell_x), f(1 / space_.cell_y), volume_.data(),
              mass_.data()};
-  dt_ = dt;
-  bodies_.begin(finder, kinds_[0].density);
   keep_pressure();
-  particles_.move(space_, motion_, kernels_, grid, pool_, bodies_);
-  recall_pressure();
+  particles_.move(space_, motion_, kernels_, grid, pool_, bodies_, f(bodies_moved));
   solver_.each_tile([&](std::size_t t) { scatter_particles(grid, t, particles_, kernels_, motion_); });
   solver_.each_tile([&](std::size_t t) {
     sum_up(grid, t);
     fill_walls(grid, t, space_);
   });
+  bodies_.look(grid, space_, dt_, double{kHistory}, pool_);
+  find_wet();
   meet_bodies();
   if (viscosity_ > 0) drag();
   solve();
-  bodies_.bear(grid, S::kPressure, dt);
   move_with_grid();
 }
 
+// Most tiles of spray have no full cell, so that the work on equations is left out there.
+void Fluids::find_wet() {
+  FluidGrid& grid = solver_.grid();
+  wet_.resize(grid.size());
+  solver_.each_tile([&](std::size_t t) {
+    wet_[t] = (bodies_.any() && !bodies_.at(t).empty()) || has_full_cell(grid, t, space_) ? 1 : 0;
+  });
+  with_equations_.clear();
+  near_.clear();
+  for (std::uint32_t t = 0; t < grid.size(); ++t) {
+    if (wet_[t] != 0) with_equations_.push_back(t);
+    const auto is_wet = [&](std::uint32_t n) { return n != FluidTile::kNone && wet_[n] != 0; };
+    grid.tiles[t].dry = std::ranges::none_of(grid.tiles[t].near, is_wet);
+    if (!grid.tiles[t].dry) near_.push_back(t);
+  }
+  grid.activate(with_equations_);
+  solver_.each_of(near_, [&](std::size_t t) { recall_pressure(t); });
+}
+
 void Fluids::meet_bodies() {
-  bodies_.look(solver_.grid(), space_, dt_, double{kHistory}, pool_);
   if (!bodies_.any()) return;
   FluidGrid& grid = solver_.grid();
   solver_.each_tile([&](std::size_t t) { bodies_.draw(grid, t, space_); });
   solver_.each_tile([&](std::size_t t) { grid.pull_ring(S::kVolume, t); });
-  solver_.each_tile([&](std::size_t t) { find_shares(grid, t, space_); });
+  solver_.each_of(near_, [&](std::size_t t) { find_shares(grid, t, space_); });
 }
 
 // Particles take what the grid has gained.
 void Fluids::move_with_grid() {
   FluidGrid& grid = solver_.grid();
-  solver_.each_tile([&](std::size_t t) { correct_faces(grid, t, space_); });
-  solver_.each_tile([&](std::size_t t) { pull_faces(grid, t, viscosity_ > 0); });
-  solver_.each_tile([&](std::size_t t) { extend_faces(grid, t, viscosity_ > 0); });
+  largest_.assign(grid.size(), 0);
+  solver_.each_of(near_, [&](std::size_t t) { largest_[t] = correct_faces(grid, t, space_); });
+  fastest_ = *std::max_element(largest_.begin(), largest_.end());
+  solver_.each_of(near_, [&](std::size_t t) { pull_faces(grid, t, viscosity_ > 0); });
+  solver_.each_of(near_, [&](std::size_t t) { extend_faces(grid, t, viscosity_ > 0); });
   if (bodies_.any()) {
-    solver_.each_tile([&](std::size_t t) { find_slip(grid, t); });
-    solver_.each_tile([&](std::size_t t) { set_slip(grid, t); });
+    solver_.each_of(near_, [&](std::size_t t) { find_slip(grid, t); });
+    solver_.each_of(near_, [&](std::size_t t) { set_slip(grid, t); });
   }
   solver_.each_tile([&](std::size_t t) {
     const FluidTile& tile = grid.tiles[t];
@@ -136,47 +169,51 @@ void Fluids::move_with_grid() {
 // The pressure of a step is the first guess of the next one, in the same cells.
 void Fluids::keep_pressure() {
   const FluidGrid& grid = solver_.grid();
-  old_keys_.assign(grid.keys.begin(), grid.keys.end());
-  old_pressure_.reserve_loosely(old_keys_.size() * kTileFloats);
-  for (std::size_t t = 0; t < old_keys_.size(); ++t) {
-    std::copy_n(grid.field(S::kPressure, t), kTileFloats, old_pressure_.data() + t * kTileFloats);
+  old_keys_.clear();
+  old_pressure_.reserve_loosely(grid.size() * kTileFloats);
+  for (std::size_t t = 0; t < grid.size(); ++t) {
+    if (grid.tiles[t].dry) continue;
+    const float* diagonal = grid.field(S::kDiagonal, t);
+    if (std::none_of(diagonal, diagonal + kTileFloats, [](float d) { return d > 0; })) continue;
+    std::copy_n(grid.field(S::kPressure, t), kTileFloats, old_pressure_.data() + old_keys_.size() * kTileFloats);
+    old_keys_.push_back(grid.keys[t]);
   }
 }
 
-void Fluids::recall_pressure() {
+void Fluids::recall_pressure(std::size_t t) {
   FluidGrid& grid = solver_.grid();
-  solver_.each_tile([&](std::size_t t) {
-    const auto at = std::ranges::lower_bound(old_keys_, grid.keys[t]);
-    float* pressure = grid.field(S::kPressure, t);
-    if (at != old_keys_.end() && *at == grid.keys[t]) {
-      const auto old = static_cast<std::size_t>(at - old_keys_.begin());
-      std::copy_n(old_pressure_.data() + old * kTileFloats, kTileFloats, pressure);
-    } else {
-      std::fill_n(pressure, kTileFloats, 0.0f);
-    }
-  });
+  const auto at = std::ranges::lower_bound(old_keys_, grid.keys[t]);
+  float* pressure = grid.field(S::kPressure, t);
+  if (at != old_keys_.end() && *at == grid.keys[t]) {
+    const auto old = static_cast<std::size_t>(at - old_keys_.begin());
+    std::copy_n(old_pressure_.data() + old * kTileFloats, kTileFloats, pressure);
+  } else {
+    std::fill_n(pressure, kTileFloats, 0.0f);
+  }
 }
 
 void Fluids::drag() {
   FluidGrid& grid = solver_.grid();
   const Viscosity by = {dt_ * viscosity_ / (space_.cell_x * space_.cell_x),
                         dt_ * viscosity_ / (space_.cell_y * space_.cell_y)};
-  solver_.each_tile([&](std::size_t t) { make_equations(grid, t, space_, bodies_.any()); });
-  largest_.resize(grid.size());
+  solver_.each_of(near_, [&](std::size_t t) { make_equations(grid, t, space_, bodies_.any()); });
+  grid.activate(near_);  // faces beside a full cell may be those of the next tile
+  largest_.assign(grid.size(), 0);
   for (const Component of : {Component::u, Component::v}) {
-    solver_.each_tile(
-        [&](std::size_t t) { largest_[t] = make_viscous_equations(grid, t, space_, by, of, bodies_.any()); });
+    solver_.each_of(
+        near_, [&](std::size_t t) { largest_[t] = make_viscous_equations(grid, t, space_, by, of, bodies_.any()); });
     solver_.coarsen(space_);
     solver_.solve(S::kEven, S::kUneven, kDragTolerance * *std::max_element(largest_.begin(), largest_.end()),
                   kMostIterations);
-    solver_.each_tile([&](std::size_t t) { drag_faces(grid, t, by, of); });
+    solver_.each_of(near_, [&](std::size_t t) { drag_faces(grid, t, by, of); });
   }
+  grid.activate(with_equations_);
 }
 
 void Fluids::solve() {
   FluidGrid& grid = solver_.grid();
-  surveys_.resize(grid.size());
-  solver_.each_tile([&](std::size_t t) {
+  surveys_.assign(grid.size(), FluidSurvey());
+  solver_.each_of(near_, [&](std::size_t t) {
     surveys_[t] = make_equations(grid, t, space_, bodies_.any());
     // A cell without an equation is a place without pressure.
     const float* diagonal = grid.field(S::kDiagonal, t);
@@ -201,7 +238,7 @@ void Fluids::solve() {
   const int first = solver_.solve(S::kPressure, S::kRight, kPressureTolerance * all.largest, kMostIterations,
                                   bodies_.any_moving() ? &bodies_ : nullptr);
   const int second = solver_.solve(S::kEven, S::kUneven, kEvenTolerance * all.largest_even, kMostIterations);
-  iterations_ = static_cast<std::uint32_t>(first + second);
+  iterations_ += static_cast<std::uint32_t>(first + second);
 }
 
 FluidCounts Fluids::counts() const {
@@ -224,7 +261,7 @@ namespace {
 // A field at a place in a tile by the kernel, from the full cells alone, of each what its value and its slope say.
 double value_beside(const FluidGrid& grid, std::size_t tile, S::Field f, double x, double y) {
   constexpr double kFar = 2 * kTile;  // cells from the corner of the tile
-  if (!(std::fabs(x) <= kFar && std::fabs(y) <= kFar)) return 0;
+  if (!(std::fabs(x) <= kFar && std::fabs(y) <= kFar) || grid.tiles[tile].dry) return 0;
   const float *value = grid.field(f, tile), *diagonal = grid.field(S::kDiagonal, tile);
   const auto full = [&](std::size_t n) { return diagonal[n] > 0; };
   const auto slope = [&](std::size_t n, std::size_t step) {
@@ -304,6 +341,7 @@ void Fluids::clear() {
   space_ = FluidSpace();
   solver_.grid().lay({}, space_, 0);
   dt_ = error_mean_ = error_max_ = 0;
+  fastest_ = 0;
   iterations_ = 0;
 }
 

@@ -82,8 +82,11 @@ class Fluids {
 
  private:
   void describe_kinds(Archive& a, const Bounds& bounds, Boundary boundary);
+  int parts_of(double dt, Vec2 gravity) const;
+  void step_part(Vec2 gravity, double bodies_moved);
   void keep_pressure();
-  void recall_pressure();
+  void recall_pressure(std::size_t tile);
+  void find_wet();
   void meet_bodies();
   void drag();
   void solve();
@@ -98,8 +101,12 @@ class Fluids {
   FluidSolver solver_;
   FluidBodies bodies_;
   kernels::FluidMotion motion_{};
-  double dt_ = 0;
-  double viscosity_ = 0;              // m^2/s: the largest
+  double dt_ = 0;                  // s, of a part of the step
+  float fastest_ = 0;              // m/s: of full cells in the last step, and of particles that came since
+  double viscosity_ = 0;           // m^2/s: the largest
+  std::vector<std::uint8_t> wet_;  // by tile: whether cells of it may have equations
+  // Tiles that have equations, and those that are not dry.
+  std::vector<std::uint32_t> with_equations_, near_;
   std::vector<FluidSurvey> surveys_;  // by tile
   std::vector<float> largest_;        // speed, m/s, by tile
   std::uint32_t iterations_ = 0;

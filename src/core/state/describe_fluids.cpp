@@ -1,5 +1,6 @@
 // Fluids: what they are made of, their particles in the order of the tiles, and the fields of the last step that the
 // next one begins with or that the host may ask for.
+#include <algorithm>
 #include <cmath>
 
 #include "fluid/fluids.h"
@@ -91,12 +92,13 @@ void Fluids::describe(Archive& a, const Bounds& bounds, Boundary boundary) {
   if (!a.ok() || kinds_.empty()) return;
   FluidGrid& grid = solver_.grid();
   particles_.describe(a, grid, space_, kinds_.size());
-  values(a, dt_, error_mean_, error_max_, iterations_);
+  values(a, dt_, error_mean_, error_max_, iterations_, fastest_);
   bodies_.describe(a);
-  a.require(dt_ >= 0 && dt_ <= limits::kTimeStep.max);
+  a.require(dt_ >= 0 && dt_ <= limits::kTimeStep.max && fastest_ >= 0);
   for (std::size_t t = 0; t < grid.size() && a.ok(); ++t) {
     for (const auto f : {FluidSolver::kPressure, FluidSolver::kDiagonal, FluidSolver::kError}) {
       float* field = grid.field(f, t);
+      if (grid.tiles[t].dry) std::fill_n(field, kernels::kTileFloats, 0.0f);
       a.packed(kernels::kTileFloats, [&](std::size_t n) -> float& { return field[n]; });
     }
   }
