@@ -7,6 +7,7 @@
 #include "base/range_text.h"
 #include "base/sort_keys.h"
 #include "fluid/fluid_equations.h"
+#include "fluid/fluid_mixture.h"
 #include "fluid/fluid_transfer.h"
 #include "fluid/fluid_viscosity.h"
 #include "psim/limits.h"
@@ -56,6 +57,7 @@ std::uint32_t Fluids::add_kind(const FluidKind& kind) {
   mass_.reserve(kinds_.size() + 1);
   kinds_.push_back(kind);
   viscosity_ = std::max(viscosity_, kind.viscosity);
+  densities_ = densities_ || kind.density != kinds_[0].density;
   const double share = kind.spacing * kind.spacing / (space_.cell_x * space_.cell_y);
   volume_.push_back(static_cast<float>(share));
   mass_.push_back(static_cast<float>(share * kind.density / kinds_[0].density));
@@ -89,9 +91,13 @@ void Fluids::step(double dt, Vec2 gravity, const SolidFinder* finder) {
   keep_pressure();
   particles_.move(space_, motion_, kernels_, grid, pool_, bodies_);
   recall_pressure();
-  solver_.each_tile([&](std::size_t t) { scatter_particles(grid, t, particles_, kernels_, motion_); });
+  solver_.each_tile([&](std::size_t t) {
+    scatter_particles(grid, t, particles_, kernels_, motion_);
+    if (densities_) scatter_volumes(grid, t, particles_, volume_);
+  });
   solver_.each_tile([&](std::size_t t) {
     sum_up(grid, t);
+    if (densities_) find_lightness(grid, t);
     fill_walls(grid, t, space_);
   });
   meet_bodies();
@@ -161,7 +167,7 @@ void Fluids::drag() {
   FluidGrid& grid = solver_.grid();
   const Viscosity by = {dt_ * viscosity_ / (space_.cell_x * space_.cell_x),
                         dt_ * viscosity_ / (space_.cell_y * space_.cell_y)};
-  solver_.each_tile([&](std::size_t t) { make_equations(grid, t, space_, bodies_.any()); });
+  solver_.each_tile([&](std::size_t t) { make_equations(grid, t, space_, bodies_.any(), densities_); });
   largest_.resize(grid.size());
   for (const Component of : {Component::u, Component::v}) {
     solver_.each_tile(
@@ -177,7 +183,7 @@ void Fluids::solve() {
   FluidGrid& grid = solver_.grid();
   surveys_.resize(grid.size());
   solver_.each_tile([&](std::size_t t) {
-    surveys_[t] = make_equations(grid, t, space_, bodies_.any());
+    surveys_[t] = make_equations(grid, t, space_, bodies_.any(), densities_);
     // A cell without an equation is a place without pressure.
     const float* diagonal = grid.field(S::kDiagonal, t);
     float* pressure = grid.field(S::kPressure, t);
@@ -194,6 +200,13 @@ void Fluids::solve() {
     all.cells += s.cells;
     all.largest = std::max(all.largest, s.largest);
     all.largest_even = std::max(all.largest_even, s.largest_even);
+    all.uneven += s.uneven;
+    all.full += s.full;
+    all.surface = all.surface || s.surface;
+  }
+  if (!all.surface && all.full > 0) {
+    const auto mean = static_cast<float>(all.uneven / all.full);
+    solver_.each_tile([&](std::size_t t) { balance_uneven(grid, t, mean); });
   }
   error_mean_ = all.cells == 0 ? 0 : all.error / all.cells;
   error_max_ = static_cast<double>(all.worst);
@@ -299,6 +312,7 @@ void Fluids::clear() {
   volume_.clear();
   mass_.clear();
   viscosity_ = 0;
+  densities_ = false;
   particles_.clear();
   bodies_.clear();
   space_ = FluidSpace();

@@ -100,6 +100,7 @@ class Fluids {
   kernels::FluidMotion motion_{};
   double dt_ = 0;
   double viscosity_ = 0;              // m^2/s: the largest
+  bool densities_ = false;            // fluids have different ones
   std::vector<FluidSurvey> surveys_;  // by tile
   std::vector<float> largest_;        // speed, m/s, by tile
   std::uint32_t iterations_ = 0;
