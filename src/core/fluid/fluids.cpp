@@ -28,6 +28,9 @@ constexpr float kFullStrain =
 // What is left of the equations' right sides is at most this share of the largest.
 constexpr float kPressureTolerance = 1e-4f, kEvenTolerance = 1e-2f, kDragTolerance = 1e-5f;
 constexpr int kMostIterations = 100;
+// A fluid moves as if it were at most so many times as dense as the first one, and at least 1 / so many: beyond, the
+// equations take a hundred iterations, and floats do not hold both.
+constexpr double kMostTimesDenser = 1000;
 
 }  // namespace
 
@@ -60,7 +63,8 @@ std::uint32_t Fluids::add_kind(const FluidKind& kind) {
   densities_ = densities_ || kind.density != kinds_[0].density;
   const double share = kind.spacing * kind.spacing / (space_.cell_x * space_.cell_y);
   volume_.push_back(static_cast<float>(share));
-  mass_.push_back(static_cast<float>(share * kind.density / kinds_[0].density));
+  const double denser = std::clamp(kind.density / kinds_[0].density, 1 / kMostTimesDenser, kMostTimesDenser);
+  mass_.push_back(static_cast<float>(share * denser));
   return static_cast<std::uint32_t>(kinds_.size() - 1);
 }
 
