@@ -87,7 +87,7 @@ struct Axis {
 
 class Setup {
  public:
-  Setup(FluidGrid& grid, std::size_t tile, const FluidSpace& space, bool bodies)
+  Setup(FluidGrid& grid, std::size_t tile, const FluidSpace& space, bool bodies, bool densities)
       : grid_(grid),
         t_(tile),
         tile_(grid.tiles[tile]),
@@ -95,7 +95,8 @@ class Setup {
         y_(Open{space.high}, kTile * tile_.y),
         wide_(static_cast<float>(space.cell_x)),
         high_(static_cast<float>(space.cell_y)),
-        bodies_(bodies) {}
+        bodies_(bodies),
+        densities_(densities) {}
 
   void find_shares() {
     look();
@@ -138,6 +139,9 @@ class Setup {
     }
     if (bodies_) {
       for (const S::Field f : {S::kOpenU, S::kOpenV, S::kSeen}) grid_.pull_ring(f, t_);
+    }
+    if (densities_) {
+      for (const S::Field f : {S::kLightU, S::kLightV}) grid_.pull_ring(f, t_);
     }
     const float *volume = field(S::kVolume), *left = field(S::kSeen);
     for (std::int32_t j = -1; j <= tile_.high + 1; ++j) {
@@ -193,6 +197,8 @@ class Setup {
   // The share of a face that bodies leave open.
   float open_u(std::size_t n) { return bodies_ ? opened(field(S::kOpenU)[n], n, n - 1) : 1.0f; }
   float open_v(std::size_t n) { return bodies_ ? opened(field(S::kOpenV)[n], n, n - kTilePitch) : 1.0f; }
+  // How much speed a face gains by pressure, by what one of the first fluid does.
+  float light(S::Field lightness, std::size_t n) { return densities_ ? field(lightness)[n] : 1.0f; }
   float opened(float share, std::size_t n, std::size_t m) {
     const auto seen = [&](std::size_t k) { return seen_[k] >= kLeastSeen * wall_[k]; };
     return share >= kLeastOpen && seen(n) && seen(m) ? share : 0.0f;
@@ -213,15 +219,16 @@ class Setup {
       for (std::int32_t i = 0; i <= tile_.wide; ++i) {
         const std::size_t n = tile_node(i, j), left = n - 1, below = n - kTilePitch;
         const float open_x = open_u(n), open_y = open_v(n);
+        const float face_x = x_.face[at(i)] * light(S::kLightU, n), face_y = y_.face[at(j)] * light(S::kLightV, n);
         if ((full_[n] || full_[left]) && open_x > 0) {
           field(S::kValidU)[n] = 1;
-          field(S::kSlopeX)[n] = x_.face[at(i)] * slope(n, left);
-          if (full_[n] && full_[left]) field(S::kLinkX)[n] = x_.face[at(i)] * open_x * by_x * y_.cell[at(j)];
+          field(S::kSlopeX)[n] = face_x * slope(n, left);
+          if (full_[n] && full_[left]) field(S::kLinkX)[n] = face_x * open_x * by_x * y_.cell[at(j)];
         }
         if ((full_[n] || full_[below]) && open_y > 0) {
           field(S::kValidV)[n] = 1;
-          field(S::kSlopeY)[n] = y_.face[at(j)] * slope(n, below);
-          if (full_[n] && full_[below]) field(S::kLinkY)[n] = y_.face[at(j)] * open_y * by_y * x_.cell[at(i)];
+          field(S::kSlopeY)[n] = face_y * slope(n, below);
+          if (full_[n] && full_[below]) field(S::kLinkY)[n] = face_y * open_y * by_y * x_.cell[at(i)];
         }
       }
     }
@@ -266,6 +273,13 @@ class Setup {
       survey.worst = std::max(survey.worst, std::fabs(error));
       ++survey.cells;
     }
+    const auto surface = [&](const float* slope, std::size_t face, std::size_t m) {
+      return slope[face] > 0 && !full_[m];
+    };
+    survey.surface = survey.surface || surface(sx, n, n - 1) || surface(sx, right_of, right_of) ||
+                     surface(sy, n, n - kTilePitch) || surface(sy, above, above);
+    survey.uneven += static_cast<double>(uneven);
+    ++survey.full;
     survey.largest = std::max(survey.largest, std::fabs(right));
     survey.largest_even = std::max(survey.largest_even, std::fabs(uneven));
   }
@@ -275,7 +289,7 @@ class Setup {
   const FluidTile& tile_;
   Axis x_, y_;
   float wide_, high_;  // of a cell, m
-  bool bodies_;
+  bool bodies_, densities_;
   float share_[kTileFloats] = {}, seen_[kTileFloats] = {}, wall_[kTileFloats], own_[kTileFloats];
   bool full_[kTileFloats], deep_[kTileFloats] = {};
 };
@@ -294,7 +308,7 @@ float share_below(float t, float spacings) {
 }
 
 void find_shares(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
-  Setup(grid, tile, space, true).find_shares();
+  Setup(grid, tile, space, true, false).find_shares();
 }
 
 bool has_full_cell(const FluidGrid& grid, std::size_t t, const FluidSpace& space) {
@@ -310,8 +324,14 @@ bool has_full_cell(const FluidGrid& grid, std::size_t t, const FluidSpace& space
   return false;
 }
 
-FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& space, bool bodies) {
-  return Setup(grid, tile, space, bodies).run();
+FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& space, bool bodies, bool densities) {
+  return Setup(grid, tile, space, bodies, densities).run();
+}
+
+void balance_uneven(FluidGrid& grid, std::size_t tile, float mean) {
+  const float* diagonal = grid.field(S::kDiagonal, tile);
+  float* uneven = grid.field(S::kUneven, tile);
+  for (std::size_t n = 0; n < kTileFloats; ++n) uneven[n] = diagonal[n] > 0 ? uneven[n] - mean : 0;
 }
 
 void fill_walls(FluidGrid& grid, std::size_t t, const FluidSpace& space) {

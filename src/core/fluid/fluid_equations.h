@@ -13,6 +13,9 @@ struct FluidSurvey {
   std::uint32_t cells = 0;  ///< full ones
   float largest = 0;        ///< right side of the equations for pressure
   float largest_even = 0;   ///< and of those for an even density
+  double uneven = 0;        ///< sum of these
+  std::uint32_t full = 0;   ///< cells that have an equation
+  bool surface = false;     ///< whether one of them lies beside a cell without pressure
 };
 
 /// Share of a cell beyond which it counts as full: then it has an equation.
@@ -28,7 +31,11 @@ bool has_full_cell(const FluidGrid& grid, std::size_t tile, const FluidSpace& sp
 /// Makes the equations of a tile: its links and its diagonal; in kRight what pressure must undo, m^2/s, and in kUneven
 /// what a displacement must, m^2. All tiles have their sums then (fluid_transfer.h).
 /// `bodies`: there are some; they are drawn (fluid_cut.h), and all tiles have their shares.
-FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& space, bool bodies);
+/// `densities`: fluids have different ones; kLightU and kLightV hold how light they are at faces (fluid_mixture.h).
+FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& space, bool bodies, bool densities);
+
+/// Takes the mean from kUneven. Where a fluid has no surface, no displacement can bring all of it together or apart.
+void balance_uneven(FluidGrid& grid, std::size_t tile, float mean);
 
 /// Finds how full the cells of a tile are, where there are bodies.
 void find_shares(FluidGrid& grid, std::size_t tile, const FluidSpace& space);

@@ -51,6 +51,8 @@ class FluidSolver {
     kValidV,
     kNewU,
     kNewV,
+    kLightU = kNewU,  // until new velocities are found (fluid_mixture.h)
+    kLightV = kNewV,
     kGainU,
     kGainV,
     kShiftU,

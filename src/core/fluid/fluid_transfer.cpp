@@ -102,6 +102,14 @@ void sum_up(FluidGrid& grid, std::size_t t) {
   }
 }
 
+void add_spills(FluidGrid& grid, std::size_t t, FluidSolver::Field field) {
+  const FluidTile& tile = grid.tiles[t];
+  for (int k = 0; k < 9; ++k) {
+    const std::uint32_t n = tile.near[k];
+    if (k != 4 && n != FluidTile::kNone && grid.tiles[n].count != 0) add_spill(grid, t, k, square_of(field));
+  }
+}
+
 void gather_particles(FluidGrid& grid, std::size_t t, FluidParticles& particles, const kernels::KernelTable& kernels,
                       const kernels::FluidMotion& motion, bool viscous) {
   const FluidTile& tile = grid.tiles[t];

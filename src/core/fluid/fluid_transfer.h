@@ -11,6 +11,8 @@ void scatter_particles(FluidGrid& grid, std::size_t tile, const FluidParticles& 
                        const kernels::KernelTable& kernels, const kernels::FluidMotion& motion);
 /// Adds what the neighbours' particles gave to the nodes of a tile; then momenta become velocities.
 void sum_up(FluidGrid& grid, std::size_t tile);
+/// Adds to one field of a tile what the neighbours' particles gave to its nodes.
+void add_spills(FluidGrid& grid, std::size_t tile, FluidSolver::Field field);
 /// Gives the particles of a tile what its faces gained, and moves them where the density is even.
 void gather_particles(FluidGrid& grid, std::size_t tile, FluidParticles& particles, const kernels::KernelTable& kernels,
                       const kernels::FluidMotion& motion, bool viscous);

@@ -7,6 +7,7 @@
 #include "base/range_text.h"
 #include "base/sort_keys.h"
 #include "fluid/fluid_equations.h"
+#include "fluid/fluid_mixture.h"
 #include "fluid/fluid_transfer.h"
 #include "fluid/fluid_viscosity.h"
 #include "psim/limits.h"
@@ -30,6 +31,9 @@ constexpr int kMostIterations = 100;
 // Water crosses at most so many cells in a part of a step, or fewer where the mean error of the density is larger than this.
 constexpr double kMostCells = 6, kFewerCells = 4, kUnevenMean = 0.015;
 constexpr int kMostParts = 8;  // of a step
+// A fluid moves as if it were at most so many times as dense as the first one, and at least 1 / so many: beyond, the
+// equations take a hundred iterations, and floats do not hold both.
+constexpr double kMostTimesDenser = 1000;
 
 }  // namespace
 
@@ -59,9 +63,11 @@ std::uint32_t Fluids::add_kind(const FluidKind& kind) {
   mass_.reserve(kinds_.size() + 1);
   kinds_.push_back(kind);
   viscosity_ = std::max(viscosity_, kind.viscosity);
+  densities_ = densities_ || kind.density != kinds_[0].density;
   const double share = kind.spacing * kind.spacing / (space_.cell_x * space_.cell_y);
   volume_.push_back(static_cast<float>(share));
-  mass_.push_back(static_cast<float>(share * kind.density / kinds_[0].density));
+  const double denser = std::clamp(kind.density / kinds_[0].density, 1 / kMostTimesDenser, kMostTimesDenser);
+  mass_.push_back(static_cast<float>(share * denser));
   return static_cast<std::uint32_t>(kinds_.size() - 1);
 }
 
@@ -101,9 +107,13 @@ void Fluids::step_part(Vec2 gravity, double bodies_moved) {
              mass_.data()};
   keep_pressure();
   particles_.move(space_, motion_, kernels_, grid, pool_, bodies_, f(bodies_moved));
-  solver_.each_tile([&](std::size_t t) { scatter_particles(grid, t, particles_, kernels_, motion_); });
+  solver_.each_tile([&](std::size_t t) {
+    scatter_particles(grid, t, particles_, kernels_, motion_);
+    if (densities_) scatter_volumes(grid, t, particles_, volume_);
+  });
   solver_.each_tile([&](std::size_t t) {
     sum_up(grid, t);
+    if (densities_) find_lightness(grid, t);
     fill_walls(grid, t, space_);
   });
   bodies_.look(grid, space_, dt_, double{kHistory}, pool_);
@@ -196,7 +206,7 @@ void Fluids::drag() {
   FluidGrid& grid = solver_.grid();
   const Viscosity by = {dt_ * viscosity_ / (space_.cell_x * space_.cell_x),
                         dt_ * viscosity_ / (space_.cell_y * space_.cell_y)};
-  solver_.each_of(near_, [&](std::size_t t) { make_equations(grid, t, space_, bodies_.any()); });
+  solver_.each_of(near_, [&](std::size_t t) { make_equations(grid, t, space_, bodies_.any(), densities_); });
   grid.activate(near_);  // faces beside a full cell may be those of the next tile
   largest_.assign(grid.size(), 0);
   for (const Component of : {Component::u, Component::v}) {
@@ -214,7 +224,7 @@ void Fluids::solve() {
   FluidGrid& grid = solver_.grid();
   surveys_.assign(grid.size(), FluidSurvey());
   solver_.each_of(near_, [&](std::size_t t) {
-    surveys_[t] = make_equations(grid, t, space_, bodies_.any());
+    surveys_[t] = make_equations(grid, t, space_, bodies_.any(), densities_);
     // A cell without an equation is a place without pressure.
     const float* diagonal = grid.field(S::kDiagonal, t);
     float* pressure = grid.field(S::kPressure, t);
@@ -231,6 +241,13 @@ void Fluids::solve() {
     all.cells += s.cells;
     all.largest = std::max(all.largest, s.largest);
     all.largest_even = std::max(all.largest_even, s.largest_even);
+    all.uneven += s.uneven;
+    all.full += s.full;
+    all.surface = all.surface || s.surface;
+  }
+  if (!all.surface && all.full > 0) {
+    const auto mean = static_cast<float>(all.uneven / all.full);
+    solver_.each_of(near_, [&](std::size_t t) { balance_uneven(grid, t, mean); });
   }
   error_mean_ = all.cells == 0 ? 0 : all.error / all.cells;
   error_max_ = static_cast<double>(all.worst);
@@ -336,6 +353,7 @@ void Fluids::clear() {
   volume_.clear();
   mass_.clear();
   viscosity_ = 0;
+  densities_ = false;
   particles_.clear();
   bodies_.clear();
   space_ = FluidSpace();

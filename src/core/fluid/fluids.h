@@ -104,6 +104,7 @@ class Fluids {
   double dt_ = 0;                  // s, of a part of the step
   float fastest_ = 0;              // m/s: of full cells in the last step, and of particles that came since
   double viscosity_ = 0;           // m^2/s: the largest
+  bool densities_ = false;         // fluids have different ones
   std::vector<std::uint8_t> wet_;  // by tile: whether cells of it may have equations
   // Tiles that have equations, and those that are not dry.
   std::vector<std::uint32_t> with_equations_, near_;
