@@ -19,7 +19,8 @@ inline constexpr std::tuple kCalls{&World::remove_body,   &World::set_transform,
                                    &World::remove_joint,  &World::set_motor,        &World::set_skin,
                                    &World::set_enabled,   &World::set_traits,       &World::set_user_data,
                                    &World::set_target,    &World::apply_force,      &World::apply_force_at,
-                                   &World::apply_torque,  &World::explode,          &World::set_part_traits};
+                                   &World::apply_torque,  &World::explode,          &World::set_part_traits,
+                                   &World::remove_emitter, &World::set_emitter_speed, &World::remove_drain};
 
 // An entry of the log begins with one of these numbers, or with kCallsBegin and the place of a call in kCalls.
 enum Op : std::uint8_t {
@@ -35,13 +36,15 @@ enum Op : std::uint8_t {
   kRemoveBodies,
   kAddFluid,
   kAddParticles,
+  kAddEmitter,
+  kAddDrain,
   kCallsBegin
 };
 inline constexpr std::uint8_t kOps = kCallsBegin + std::tuple_size_v<decltype(kCalls)>;
 
 struct RecordHeader : FileHeader {
   static constexpr std::uint64_t kMagic = 0x31304352'6D697370u;  // "psimRC01"
-  static constexpr std::uint64_t kFormat = 15;
+  static constexpr std::uint64_t kFormat = 16;
   std::uint64_t state = 0;  ///< bytes of the state that it began with
   std::uint64_t steps = 0;
 
