@@ -77,6 +77,7 @@ bool beyond_the_schema(std::string_view error) {
                                         "too far from the body's place",
                                         "is no direction",
                                         "is less than \"lower\"",
+                                        "is less than \"start\"",
                                         "lie on each other",
                                         "ties the neighbours",
                                         "ties dynamic bodies",

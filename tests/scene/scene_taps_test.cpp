@@ -56,8 +56,8 @@ TEST(SceneTaps, SayWhatIsWrong) {
   const std::string water = R"("fluids": [{"spacing": 0.1, "region": [0, 0, 1, 1]}], )";
   const auto tap = [&](const std::string& of) { return tap_refusal(water + "\"emitters\": [" + of + "]"); };
   const std::pair<std::string, const char*> wrong[] = {
-      {tap(R"({"speed": 1})"), "emitters[0]: \"segment\" is missing"},
-      {tap(R"({"segment": [[0, 0], [1, 0]]})"), "emitters[0]: \"speed\" is missing"},
+      {tap(R"({"speed": 1})"), "emitters[0]: the key \"segment\" is missing"},
+      {tap(R"({"segment": [[0, 0], [1, 0]]})"), "emitters[0]: the key \"speed\" is missing"},
       {tap(R"({"segment": [[0, 0], [0, 0]], "speed": 1})"), "emitters[0].segment: its two points are the same"},
       {tap(R"({"segment": [[0, 0], [5, 0]], "speed": 1})"), "emitters[0].segment[1]: "},
       {tap(R"({"segment": [[0, 0]], "speed": 1})"), "emitters[0].segment: has 1 element"},
@@ -70,7 +70,7 @@ TEST(SceneTaps, SayWhatIsWrong) {
       {tap_refusal(R"("fluids": [{"spacing": 0.1}, {"spacing": 0.1}],
                       "emitters": [{"segment": [[0, 0], [1, 0]], "speed": 1}])"),
        "fluids[1]: one of the keys"},
-      {tap_refusal(R"("drains": [{}])"), "drains[0]: \"region\" is missing"},
+      {tap_refusal(R"("drains": [{}])"), "drains[0]: the key \"region\" is missing"},
       {tap_refusal(R"("drains": [{"region": [0, 0, 0, 1]}])"), "drains[0].region"},
       {tap_refusal(R"("drains": 3)"), "drains: "},
   };

@@ -37,7 +37,10 @@ EmitterDesc read_emitter(const Node& node, const Context& context, std::size_t f
   if (fluids == 0) node.fail("lets out a fluid, and the scene has none: \"fluids\" is missing");
   if (fluid) emitter.fluid = static_cast<FluidId>(fluid->integer(0, fluids - 1));
   emitter.start = node.number_or("start", 0, kSeconds);
-  if (const auto end = node.find("end")) emitter.end = end->number({emitter.start, kSeconds.max});
+  if (const auto end = node.find("end")) {
+    emitter.end = end->number(kSeconds);
+    if (emitter.end < emitter.start) end->fail("is less than \"start\": " + exact_text(emitter.start) + " or more");
+  }
   if (const auto limit = node.find("limit")) emitter.limit = limit->integer(0, kMostParticles);
   return emitter;
 }
