@@ -97,12 +97,7 @@ const std::vector<Named>& calls() {
          return w.explode({{0, 1}, 3, 5, 0.1, ~0u}).has_value();
        }},
       {"fluids", [](World& w) { return pour(w, error); }},
-      {"taps",
-       [](World& w) {
-         if (w.add_fluid({0.1, 1000, 0}, error) == kNoFluid) return false;
-         const EmitterDesc tap{0, {0, 5}, {1, 5}, 1};
-         return w.add_emitter(tap, error) != kNoEmitter && w.add_drain({0, 0, 1, 1}, error) != kNoDrain;
-       }},
+      {"taps", [](World& w) { return open_taps(w, error); }},
       {"fluid in a sensor", [](World& w) { return w.fluid_in_sensor(nth(w, kBar)).has_value(); }},
       {"fields", [](World& w) { return w.set_fields(given().fields, error); }},
       {"a sleeper becomes a wall", [](World& w) { return w.set_body(nth(w, kAsleep), given().terrain, error); }},

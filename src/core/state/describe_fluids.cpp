@@ -59,7 +59,7 @@ void FluidParticles::describe(Archive& a, FluidGrid& grid, const FluidSpace& spa
     ids[k] = p.id;
   }
   psim::sort_keys(ids.begin(), ids.end());
-  a.require(std::ranges::adjacent_find(ids) == ids.end());
+  a.require(std::adjacent_find(ids.begin(), ids.end()) == ids.end());
 }
 
 static auto fields(FluidForce& f) { return std::tie(f.id, f.generation, f.force, f.torque); }

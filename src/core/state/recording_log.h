@@ -13,13 +13,13 @@
 namespace psim::recorded {
 
 // Calls of the host that take what they are given, each by its place in this list.
-inline constexpr std::tuple kCalls{&World::remove_body,   &World::set_transform,    &World::set_velocity,
-                                   &World::apply_impulse, &World::apply_impulse_at, &World::apply_angular_impulse,
-                                   &World::set_gravity,   &World::set_sleeping,     &World::wake,
-                                   &World::remove_joint,  &World::set_motor,        &World::set_skin,
-                                   &World::set_enabled,   &World::set_traits,       &World::set_user_data,
-                                   &World::set_target,    &World::apply_force,      &World::apply_force_at,
-                                   &World::apply_torque,  &World::explode,          &World::set_part_traits,
+inline constexpr std::tuple kCalls{&World::remove_body,    &World::set_transform,     &World::set_velocity,
+                                   &World::apply_impulse,  &World::apply_impulse_at,  &World::apply_angular_impulse,
+                                   &World::set_gravity,    &World::set_sleeping,      &World::wake,
+                                   &World::remove_joint,   &World::set_motor,         &World::set_skin,
+                                   &World::set_enabled,    &World::set_traits,        &World::set_user_data,
+                                   &World::set_target,     &World::apply_force,       &World::apply_force_at,
+                                   &World::apply_torque,   &World::explode,           &World::set_part_traits,
                                    &World::remove_emitter, &World::set_emitter_speed, &World::remove_drain};
 
 // An entry of the log begins with one of these numbers, or with kCallsBegin and the place of a call in kCalls.

@@ -18,8 +18,8 @@
 namespace psim {
 namespace {
 
-constexpr std::array<std::string_view, 13> kSceneKeys = {"psim",      "name",   "description", "world",  "step",
-                                                         "materials", "bodies", "groups",      "joints", "fields",
+constexpr std::array<std::string_view, 13> kSceneKeys = {"psim",      "name",     "description", "world",  "step",
+                                                         "materials", "bodies",   "groups",      "joints", "fields",
                                                          "fluids",    "emitters", "drains"};
 constexpr std::uint64_t kFormat = 1;
 

@@ -28,8 +28,8 @@ EmitterDesc read_emitter(const Node& node, const Context& context, std::size_t f
     *ends[k] = segment.element(k).vec2(limits::kCoordinate);
     expect_inside(segment.element(k), *ends[k], context.bounds);
   }
-  const Vec2 along = emitter.to - emitter.from;
-  if (!limits::kRodLength.contains(std::sqrt(along.x * along.x + along.y * along.y))) {
+  const double dx = emitter.to.x - emitter.from.x, dy = emitter.to.y - emitter.from.y;
+  if (!limits::kRodLength.contains(std::sqrt(dx * dx + dy * dy))) {
     segment.fail("its two points are the same: a segment must have a length");
   }
   emitter.speed = node.require("speed").number(limits::kVelocity);
