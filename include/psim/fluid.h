@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "psim/types.h"
 
@@ -14,7 +15,19 @@ using FluidId = std::uint32_t;
 /// No fluid.
 inline constexpr FluidId kNoFluid = 0xFFFFFFFFu;
 
-/// So many particles can be in a world.
+/// The number of an emitter or a drain of a world. They count from 0 each, in the order in which they were added, and are
+/// never used again.
+using EmitterId = std::uint32_t;
+using DrainId = std::uint32_t;
+
+/// No emitter, no drain.
+inline constexpr EmitterId kNoEmitter = 0xFFFFFFFFu;
+inline constexpr DrainId kNoDrain = 0xFFFFFFFFu;
+
+/// So many emitters, and so many drains, can be in a world.
+inline constexpr std::size_t kMostEmitters = 1000, kMostDrains = 1000;
+
+/// So many particles can be in a world at once.
 inline constexpr std::size_t kMostParticles = 10'000'000;
 
 /// This says what a fluid is made of. A particle has the mass density * spacing^2.
@@ -34,6 +47,32 @@ struct FluidParticleState {
   double pressure = 0;   ///< N/m, likewise; 0 before the first step
 };
 
+/// A fluid flows out of a segment at right angles to it: |to - from| * speed m^2/s of it, whatever the steps are.
+struct EmitterDesc {
+  FluidId fluid = 0;  ///< what flows
+  Vec2 from;          ///< metres, inside the world's bounds
+  Vec2 to;            ///< metres, inside the bounds, elsewhere than `from`
+  /// m/s: to the left of who looks from `from` to `to`; below 0 to the right
+  double speed = 0;
+  double start = 0;                                      ///< seconds after it was added, >= 0: it opens
+  double end = std::numeric_limits<double>::infinity();  ///< seconds after it was added, >= start: it closes
+  /// It closes after so many particles.
+  std::uint64_t limit = std::numeric_limits<std::uint64_t>::max();
+};
+
+/// What is within an area.
+struct FluidAmount {
+  std::size_t particles = 0;
+  double mass = 0;     ///< kg
+  Vec2 mean_velocity;  ///< m/s: momentum over mass; 0 where there is nothing
+};
+
+/// What fluids did to a body in the last step.
+struct FluidLoad {
+  Vec2 force;         ///< N, mean of the step
+  double torque = 0;  ///< N m, about the centre of mass, likewise
+};
+
 /// Sums over all particles of a world, and how well the last step went.
 struct FluidReport {
   std::size_t particles = 0;      ///< of all fluids
@@ -41,6 +80,10 @@ struct FluidReport {
   double density_error_mean = 0;  ///< of the cells within the fluid, relative to the density that they should have
   double density_error_max = 0;   ///< likewise, the largest
   std::uint32_t iterations = 0;   ///< of the last step's solvers for pressure and density together
+  std::uint64_t emitted = 0;      ///< particles that emitters have let out since the world was made
+  std::uint64_t drained = 0;      ///< particles that drains have removed since then
+  /// Particles that emitters could not let out, since the world had kMostParticles or there was no memory for more.
+  std::uint64_t withheld = 0;
 };
 
 }  // namespace psim

@@ -70,6 +70,11 @@ class PSIM_API Recorder {
   FluidId add_fluid(const FluidDesc& desc, std::string& error);
   bool add_particles(FluidId fluid, std::span<const Vec2> positions, std::span<const Vec2> velocities,
                      std::string& error);
+  EmitterId add_emitter(const EmitterDesc& desc, std::string& error);
+  bool remove_emitter(EmitterId id);
+  bool set_emitter_speed(EmitterId id, double speed);
+  DrainId add_drain(const Bounds& region, std::string& error);
+  bool remove_drain(DrainId id);
   /// The world's present function is taken over at the start, and handed back at the end. What it decides is recorded.
   void set_pre_solve(PreSolve pre_solve);
   ///@}

@@ -75,7 +75,7 @@ struct FluidList {
 };
 
 /// A fluid of a scene. An area is filled with a lattice that begins half a spacing from the lower left corner of the
-/// rectangle around it, rows from the bottom.
+/// rectangle around it, rows from the bottom. A fluid that begins empty has a list of no particles.
 struct SceneFluid {
   FluidDesc fluid;
   std::variant<Bounds, FluidDisc, FluidPolygon, FluidList> place;
@@ -94,6 +94,9 @@ struct Scene {
   std::uint64_t seed = 1;  ///< mixed into every group's seed when set from outside
   /// One line each: what of a file in another format is approximated or left out.
   std::vector<std::string> notes;
+
+  std::vector<EmitterDesc> emitters;
+  std::vector<Bounds> drains;
 
   /// Number of bodies that the scene will make.
   std::uint64_t body_count() const;

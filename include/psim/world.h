@@ -257,6 +257,28 @@ class PSIM_API World {
   void fluid_particles(std::vector<FluidParticleState>& out) const;
   /// Sums over all particles. O(particles).
   FluidReport fluid_report() const;
+  /// Lets a fluid out of a segment from the end of the next step on; kNoEmitter and one line in `error` if the description
+  /// is refused, or there are kMostEmitters. At the end of a step rows of particles appear where they have come to since
+  /// they left the segment, with ids that go on from those before. Emitters take turns in the order of their ids.
+  EmitterId add_emitter(const EmitterDesc& desc, std::string& error);
+  /// False if there is no such emitter. The particles that it let out stay.
+  bool remove_emitter(EmitterId id);
+  /// Lets the fluid out at another speed, m/s, 0 to stop it; false if there is no such emitter, or the speed is out of its
+  /// range (psim/limits.h).
+  bool set_emitter_speed(EmitterId id, double speed);
+  /// Removes at the end of each step the particles of all fluids that are within a rectangle, metres, which may reach out
+  /// of the bounds; kNoDrain and one line in `error` if it is refused, or there are kMostDrains. What emitters let out in
+  /// a step stays until the end of the next one.
+  DrainId add_drain(const Bounds& region, std::string& error);
+  /// False if there is no such drain.
+  bool remove_drain(DrainId id);
+  /// The particles of a fluid, or of all for kNoFluid, that are within a rectangle, metres. O(particles near it).
+  FluidAmount fluid_in(const Bounds& region, FluidId fluid = kNoFluid) const;
+  /// The particles of a fluid, or of all for kNoFluid, whose middle is within the sensor shapes of a body, where both are
+  /// now; nothing if the id is stale. So a game waits until a bucket is full. O(particles near the body).
+  std::optional<FluidAmount> fluid_in_sensor(BodyId id, FluidId fluid = kNoFluid) const;
+  /// What fluids did to a body in the last step; 0 where it met none. Nothing if the id is stale.
+  std::optional<FluidLoad> fluid_load(BodyId id) const;
 
   /// The first body that the way from `from` to `to` enters.
   std::optional<RayHit> ray_cast(Vec2 from, Vec2 to, const QueryFilter& filter = {}) const;

@@ -130,6 +130,13 @@ void set_defaults(psim_fluid_desc& d) {
   d.viscosity = from.viscosity;
 }
 
+void set_defaults(psim_emitter_desc& d) {
+  const EmitterDesc from;
+  d = zeros<psim_emitter_desc>();
+  d.end = from.end;
+  d.limit = from.limit;
+}
+
 void set_defaults(psim_event_options& d) {
   d = zeros<psim_event_options>();
   d.hit_speed = EventOptions{}.hit_speed;
@@ -183,7 +190,7 @@ std::string wrong_size(const char* what, std::uint32_t size, std::size_t known) 
 using namespace psim::capi;
 
 void psim_init(void* object, int32_t kind, uint32_t size) {
-  if (object == nullptr || size < 8 || kind < PSIM_STRUCT_WORLD_DESC || kind > PSIM_STRUCT_FLUID_REPORT) {
+  if (object == nullptr || size < 8 || kind < PSIM_STRUCT_WORLD_DESC || kind > PSIM_STRUCT_EMITTER_DESC) {
     return;
   }
   std::memset(object, 0, size);
@@ -211,6 +218,9 @@ void psim_init(void* object, int32_t kind, uint32_t size) {
       break;
     case PSIM_STRUCT_FLUID_DESC:
       fill<psim_fluid_desc>(object, size);
+      break;
+    case PSIM_STRUCT_EMITTER_DESC:
+      fill<psim_emitter_desc>(object, size);
       break;
     case PSIM_STRUCT_DEBUG_DRAW:
       fill<psim_debug_draw>(object, size);

@@ -23,6 +23,7 @@ void set_defaults(psim_query_filter& d);
 void set_defaults(psim_mover_desc& d);
 void set_defaults(psim_debug_draw& d);
 void set_defaults(psim_fluid_desc& d);
+void set_defaults(psim_emitter_desc& d);
 void set_defaults(psim_event_options& d);
 void set_defaults(psim_cost_model& d);
 void set_defaults(psim_governor_desc& d);

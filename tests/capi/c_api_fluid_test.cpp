@@ -58,6 +58,68 @@ TEST(CApiFluid, ParticlesAreDrawn) {
   EXPECT_EQ(radii.size(), 2u);
 }
 
+TEST(CApiFluid, TapsAndDrainsAndWhatIsWhere) {
+  CWorld c;
+  psim_fluid_desc fluid;
+  psim_fluid_desc_init(&fluid);
+  fluid.spacing = 0.5;
+  ASSERT_EQ(psim_world_add_fluid(c.world, &fluid, nullptr), PSIM_OK);
+  psim_emitter_desc desc;
+  psim_emitter_desc_init(&desc);
+  EXPECT_EQ(desc.fluid, 0u);
+  EXPECT_EQ(desc.end, std::numeric_limits<double>::infinity());
+  EXPECT_EQ(desc.limit, ~std::uint64_t{0});
+  EXPECT_EQ(psim_world_add_emitter(c.world, &desc, nullptr), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(c.last().find("psim_world_add_emitter: an emitter's length"), 0u) << c.last();
+  desc.from = {0, 1};
+  desc.to = {0, 0};
+  desc.speed = 5;
+  std::uint32_t emitter = 7, drain = 7;
+  ASSERT_EQ(psim_world_add_emitter(c.world, &desc, &emitter), PSIM_OK) << c.last();
+  EXPECT_EQ(emitter, 0u);
+  EXPECT_EQ(psim_world_add_drain(c.world, {1, 1, 0, 0}, &drain), PSIM_ERROR_ARGUMENT);
+  ASSERT_EQ(psim_world_add_drain(c.world, {5, -90, 90, 90}, &drain), PSIM_OK) << c.last();
+  EXPECT_EQ(drain, 0u);
+  for (int k = 0; k < 120; ++k) ASSERT_EQ(psim_world_step(c.world, nullptr), PSIM_OK);
+  psim_fluid_report report;
+  psim_fluid_report_init(&report);
+  ASSERT_EQ(psim_world_fluid_report(c.world, &report), PSIM_OK);
+  EXPECT_EQ(report.emitted, 40u);
+  EXPECT_GT(report.drained, 10u);
+  EXPECT_EQ(report.particles, report.emitted - report.drained);
+  EXPECT_EQ(report.withheld, 0u);
+  psim_fluid_amount amount;
+  ASSERT_EQ(psim_world_fluid_in(c.world, {-90, -90, 90, 90}, PSIM_NO_FLUID, &amount), PSIM_OK);
+  EXPECT_EQ(amount.particles, report.particles);
+  EXPECT_NEAR(amount.mean_velocity.x, 5, 0.1);
+  psim_body_desc body;
+  psim_body_desc_init(&body);
+  body.shape = psim_disc(50);
+  body.type = PSIM_BODY_STATIC;
+  body.sensor = 1;
+  psim_body_id id;
+  ASSERT_EQ(psim_world_add_body(c.world, &body, &id), PSIM_OK) << c.last();
+  ASSERT_EQ(psim_world_fluid_in_sensor(c.world, id, 0, &amount), PSIM_OK) << c.last();
+  EXPECT_EQ(amount.particles, report.particles);
+  psim_vec2 force = {1, 1};
+  double torque = 1;
+  ASSERT_EQ(psim_world_fluid_load(c.world, id, &force, &torque), PSIM_OK) << c.last();
+  EXPECT_EQ(force.x, 0);
+  EXPECT_EQ(torque, 0);
+  EXPECT_EQ(psim_world_set_emitter_speed(c.world, emitter, 1e9), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(psim_world_set_emitter_speed(c.world, emitter, 0), PSIM_OK);
+  EXPECT_EQ(psim_world_remove_emitter(c.world, emitter), PSIM_OK);
+  EXPECT_EQ(psim_world_remove_emitter(c.world, emitter), PSIM_ERROR_STALE_ID);
+  EXPECT_EQ(c.last(), "psim_world_remove_emitter: there is no emitter 0");
+  EXPECT_EQ(psim_world_set_emitter_speed(c.world, emitter, 0), PSIM_ERROR_STALE_ID);
+  EXPECT_EQ(psim_world_remove_drain(c.world, drain), PSIM_OK);
+  EXPECT_EQ(psim_world_remove_drain(c.world, drain), PSIM_ERROR_STALE_ID);
+  EXPECT_EQ(psim_world_fluid_in(c.world, {0, 0, 1, 1}, 0, nullptr), PSIM_ERROR_ARGUMENT);
+  id.generation += 7;
+  EXPECT_EQ(psim_world_fluid_in_sensor(c.world, id, 0, &amount), PSIM_ERROR_STALE_ID);
+  EXPECT_EQ(psim_world_fluid_load(c.world, id, &force, &torque), PSIM_ERROR_STALE_ID);
+}
+
 TEST(CApiFluid, WhatIsWrongIsRefused) {
   CWorld c;
   psim_fluid_desc desc;

@@ -149,7 +149,7 @@ void Session::call_rich(std::size_t kind) {
     case 28:
       return replay(in_.number(0.001, 0.05));
     case 31:
-      return pour();
+      return in_.chance(128) ? pour() : touch_taps();
     default:
       for (std::size_t k = 1 + in_.below(6); k > 0 && !spent(); --k) step(worlds_.front()->desc().dt);
   }

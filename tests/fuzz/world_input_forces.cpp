@@ -152,4 +152,45 @@ void Session::pour() {
   }
 }
 
+// Taps and drains come and go, and the world says how much is where.
+void Session::touch_taps() {
+  World& world = *worlds_.front();
+  EmitterDesc desc;
+  desc.fluid = static_cast<FluidId>(in_.below(3));
+  desc.from = in_.place(-kHalf, kHalf);
+  desc.to = in_.place(-kHalf, kHalf);
+  desc.speed = in_.number(-3, 3);
+  desc.limit = in_.below(100);
+  if (in_.chance(64)) desc.end = desc.start + in_.number(0, 2);
+  const Vec2 corner = in_.place(-kHalf, kHalf);
+  const Bounds region{corner.x, corner.y, corner.x + in_.number(0, 5), corner.y + in_.number(0, 5)};
+  const auto which = static_cast<std::uint32_t>(in_.below(4));
+  say("taps of fluid %u, speed %g, limit %u", desc.fluid, desc.speed, static_cast<unsigned>(desc.limit));
+  const auto emitter = change<EmitterId>("add_emitter", [&](auto& w) {
+    std::string error;
+    const EmitterId id = w.add_emitter(desc, error);
+    if (id == kNoEmitter) refused(error);
+    return id;
+  });
+  if (in_.chance(128)) {
+    change<DrainId>("add_drain", [&](auto& w) {
+      std::string error;
+      const DrainId id = w.add_drain(region, error);
+      if (id == kNoDrain) refused(error);
+      return id;
+    });
+  }
+  change<bool>("set_emitter_speed", [&](auto& w) { return w.set_emitter_speed(which, -desc.speed); });
+  if (in_.chance(64)) change<bool>("remove_drain", [&](auto& w) { return w.remove_drain(which); });
+  if (in_.chance(64) && emitter != kNoEmitter) {
+    require(change<bool>("remove_emitter", [&](auto& w) { return w.remove_emitter(emitter); }), "remove_emitter");
+  }
+  const std::size_t all = world.fluid_report().particles;
+  require(world.fluid_in(region).particles <= all, "fluid_in: at most all");
+  const BodyId body = some_body();
+  const auto in = world.fluid_in_sensor(body);
+  require(in.has_value() == world.is_valid(body) && (!in || in->particles <= all), "fluid_in_sensor");
+  require(world.fluid_load(body).has_value() == world.is_valid(body), "fluid_load");
+}
+
 }  // namespace psim::fuzz

@@ -66,6 +66,7 @@ class Session {
   void push_body(BodyId id, Vec2 place);  // world_input_forces.cpp
   void change_fields(ByteSource& own);
   void pour();
+  void touch_taps();
   void add_joint();
   JointId some_joint();
   void touch_joint();

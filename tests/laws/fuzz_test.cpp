@@ -228,6 +228,15 @@ std::vector<std::byte> seed_recording(World& world, bool governed) {
   recorder.explode({{1, 1}, 1, 2, 3});
   const FluidId fluid = recorder.add_fluid({0.5, 2, 0.1}, error);
   recorder.add_particles(fluid, std::vector<Vec2>{{4, 4}, {4.5, 4}, {4, 4.5}}, std::vector<Vec2>(3, {0, 1}), error);
+  EmitterDesc tap;
+  tap.from = {-4, 4};
+  tap.to = {-4, 3};
+  tap.speed = 20;
+  const EmitterId emitter = recorder.add_emitter(tap, error);
+  recorder.set_emitter_speed(emitter, 40);
+  recorder.add_drain({-2, -9, 9, 9}, error);
+  const DrainId drain = recorder.add_drain({-9, -9, -5, 9}, error);
+  recorder.remove_drain(drain);
   asks.shape = BoxShape{1, 0.5};
   recorder.set_body(asking, asks, error);
   BodyTraits traits = *world.traits(other);
@@ -240,6 +249,7 @@ std::vector<std::byte> seed_recording(World& world, bool governed) {
   if (governed) recorder.replay({2, true, 1, 1});
   recorder.step(0.01);
   recorder.remove_joint(tied);
+  recorder.remove_emitter(emitter);
   recorder.remove_body(body);
   recorder.set_sleeping(true);
   for (int k = 0; k < 4; ++k) recorder.step();

@@ -77,6 +77,7 @@ bool beyond_the_schema(std::string_view error) {
                                         "too far from the body's place",
                                         "is no direction",
                                         "is less than \"lower\"",
+                                        "is less than \"start\"",
                                         "lie on each other",
                                         "ties the neighbours",
                                         "ties dynamic bodies",
@@ -84,6 +85,9 @@ bool beyond_the_schema(std::string_view error) {
                                         "one for each particle",
                                         "that of the first fluid",
                                         "has no room for a particle",
+                                        "no emitter lets this fluid out",
+                                        "lets out a fluid",
+                                        "its two points are the same",
                                         "particles in all"}) {
     if (error.find(reason) != error.npos) return true;
   }
@@ -186,7 +190,11 @@ const std::vector<std::string>& good_documents() {
                      {"polygon": {"vertices": [[3, 3], [5, 3], [3, 5]]}, "spacing": 0.5},
                      {"layout": "explicit", "x": [4, 4.5], "y": [-1, -1], "vx": [0, 1], "vy": [1, 0],
                       "spacing": 0.25, "density": 900, "viscosity": 0.1},
-                     {"layout": "explicit", "x": [], "y": [], "spacing": 0.5, "velocity": [1, 1]}]})"};
+                     {"layout": "explicit", "x": [], "y": [], "spacing": 0.5, "velocity": [1, 1]}]})",
+      R"({"psim": 1, "world": {"bounds": [-9, -9, 9, 9]},
+          "fluids": [{"spacing": 0.5, "density": 900, "viscosity": 0.1, "velocity": [1, 0]}],
+          "emitters": [{"segment": [[0, 0], [1, 2]], "speed": 3, "fluid": 0, "start": 1, "end": 2, "limit": 7}],
+          "drains": [{"region": [0, 0, 1, 2]}]})"};
   return kDocuments;
 }
 
@@ -361,7 +369,11 @@ TEST(SceneSchema, DefaultsAreTheParsers) {
       {"/$defs/drag/properties", "/fields/0", world + R"(, "fields": [{"type": "drag"}]})"},
       {"/$defs/fluid/properties", "/fluids/0", world + R"(, "fluids": [{"region": [1, 1, 2, 2], "spacing": 0.5}]})"},
       {"/$defs/listed_fluid/properties", "/fluids/0",
-       world + R"(, "fluids": [{"layout": "explicit", "x": [1], "y": [1], "spacing": 0.5}]})"}};
+       world + R"(, "fluids": [{"layout": "explicit", "x": [1], "y": [1], "spacing": 0.5}]})"},
+      {"/$defs/fed_fluid/properties", "/fluids/0",
+       world + R"(, "fluids": [{"spacing": 0.5}], "emitters": [{"segment": [[1, 1], [2, 2]], "speed": 1}]})"},
+      {"/$defs/emitter/properties", "/emitters/0",
+       world + R"(, "fluids": [{"spacing": 0.5}], "emitters": [{"segment": [[1, 1], [2, 2]], "speed": 1}]})"}};
   const auto read = [](const Json& document) {
     std::string error;
     const auto scene = parse_scene(document.dump(), "f", error);

@@ -126,4 +126,14 @@ inline bool pour(World& world, std::string& error) {
   return fluid != kNoFluid && world.add_particles(fluid, given().water, {}, error);
 }
 
+// Adds a fluid, an emitter of it and a drain.
+inline bool open_taps(World& world, std::string& error) {
+  if (world.add_fluid({0.1, 1000, 0}, error) == kNoFluid) return false;
+  EmitterDesc tap;
+  tap.from = {0, 5};
+  tap.to = {1, 5};
+  tap.speed = 1;
+  return world.add_emitter(tap, error) != kNoEmitter && world.add_drain({0, 0, 1, 1}, error) != kNoDrain;
+}
+
 }  // namespace psim::test

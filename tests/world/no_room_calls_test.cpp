@@ -97,6 +97,8 @@ const std::vector<Named>& calls() {
          return w.explode({{0, 1}, 3, 5, 0.1, ~0u}).has_value();
        }},
       {"fluids", [](World& w) { return pour(w, error); }},
+      {"taps", [](World& w) { return open_taps(w, error); }},
+      {"fluid in a sensor", [](World& w) { return w.fluid_in_sensor(nth(w, kBar)).has_value(); }},
       {"fields", [](World& w) { return w.set_fields(given().fields, error); }},
       {"a sleeper becomes a wall", [](World& w) { return w.set_body(nth(w, kAsleep), given().terrain, error); }},
       {"the ground becomes a bar", [](World& w) { return w.set_body(nth(w, 0), given().bar, error); }},

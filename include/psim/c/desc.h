@@ -291,7 +291,8 @@ enum psim_struct {
   PSIM_STRUCT_DEBUG_DRAW = 19,    ///< psim_debug_draw
   PSIM_STRUCT_PART_TRAITS = 20,   ///< psim_part_traits
   PSIM_STRUCT_FLUID_DESC = 21,    ///< psim_fluid_desc
-  PSIM_STRUCT_FLUID_REPORT = 22   ///< psim_fluid_report
+  PSIM_STRUCT_FLUID_REPORT = 22,  ///< psim_fluid_report
+  PSIM_STRUCT_EMITTER_DESC = 23   ///< psim_emitter_desc
 };
 
 /// Fills `size` bytes with the defaults of a struct and sets its struct_size to `size`: what the

@@ -39,6 +39,8 @@ float width_of(std::int32_t tile, std::int32_t cells) {
 
 void FluidParticles::make_room(std::size_t n) {
   list_.reserve_loosely(count_ + n);
+  sorted_.reserve(list_.capacity());
+  tile_of_.reserve(list_.capacity());
   if (added_.capacity() - added_.size() < n) added_.reserve(added_.size() + std::max(n, added_.size()));
 }
 
@@ -272,26 +274,32 @@ void FluidParticles::move(const FluidSpace& space, const kernels::FluidMotion& m
   added_.clear();
 }
 
-void FluidParticles::keep_within(const Bounds& bounds, FluidGrid& grid, const FluidSpace& space) {
-  const auto inside = [&](Vec2 at) {
-    return at.x >= bounds.xmin && at.x <= bounds.xmax && at.y >= bounds.ymin && at.y <= bounds.ymax;
+std::size_t FluidParticles::remove(const Bounds& box, bool within, FluidGrid& grid, const FluidSpace& space) {
+  const auto goes = [&](Vec2 at) {
+    const bool inside = at.x >= box.xmin && at.x <= box.xmax && at.y >= box.ymin && at.y <= box.ymax;
+    return inside == within;
   };
-  const auto whole = [&](const FluidTile& tile) {
+  // Whether no particle of a tile can go.
+  const auto stays = [&](const FluidTile& tile) {
+    if (within) return beside(tile, box, space);
     FluidParticle corner{}, other{};
     other.x = other.y = static_cast<float>(kTile);
-    return inside(place_of(corner, tile, space)) && inside(place_of(other, tile, space));
+    return !goes(place_of(corner, tile, space)) && !goes(place_of(other, tile, space));
   };
-  if (std::ranges::all_of(grid.tiles, [&](const FluidTile& tile) { return tile.count == 0 || whole(tile); })) return;
+  if (std::ranges::all_of(grid.tiles, [&](const FluidTile& tile) { return tile.count == 0 || stays(tile); })) return 0;
   std::uint32_t to = 0;
   for (FluidTile& tile : grid.tiles) {
     const std::uint32_t first = tile.first, end = first + tile.count;
+    const bool all = stays(tile);
     tile.first = to;
     for (std::uint32_t k = first; k < end; ++k) {
-      if (inside(place_of(list_[k], tile, space))) list_[to++] = list_[k];
+      if (all || !goes(place_of(list_[k], tile, space))) list_[to++] = list_[k];
     }
     tile.count = to - tile.first;
   }
+  const std::size_t removed = count_ - to;
   count_ = to;
+  return removed;
 }
 
 }  // namespace psim

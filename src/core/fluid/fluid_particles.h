@@ -20,6 +20,9 @@ class FluidParticles {
  public:
   explicit FluidParticles(MemoryMeter& meter) : list_(meter), sorted_(meter), tile_of_(meter) {}
 
+  /// So many ids a world has: the last number is nobody's.
+  static constexpr std::uint32_t kMostIds = 0xFFFFFFFFu;
+
   std::size_t size() const { return count_; }
   kernels::FluidParticle* data() { return list_.data(); }
   const kernels::FluidParticle* data() const { return list_.data(); }
@@ -46,6 +49,20 @@ class FluidParticles {
       see(list_[count_ - added_.size() + k], tile, FluidTile::kNone);
     }
   }
+  /// Calls see(particle, its tile) for all whose tile touches a box, and for those that were added since the last step.
+  template <class See>
+  void each_near(const FluidGrid& grid, const Bounds& box, const FluidSpace& space, const See& see) const {
+    for (const FluidTile& tile : grid.tiles) {
+      if (beside(tile, box, space)) continue;
+      for (std::uint32_t k = 0; k < tile.count; ++k) see(list_[tile.first + k], tile);
+    }
+    for (std::size_t k = 0; k < added_.size(); ++k) {
+      FluidTile tile;
+      tile.x = column_of(added_[k]);
+      tile.y = row_of(added_[k]);
+      see(list_[count_ - added_.size() + k], tile);
+    }
+  }
   /// For saved states (state/describe_fluids.cpp): with the tiles of `grid` that the particles are sorted by.
   void describe(Archive& a, FluidGrid& grid, const FluidSpace& space, std::size_t kinds);
   /// Adds a particle at a place, in cells.
@@ -57,8 +74,9 @@ class FluidParticles {
   /// Moves the particles of a tile out of its shapes, into which they went from these places, cells.
   void keep_out(const FluidTile& tile, std::span<const FluidSolid> solids, std::span<const Place2> from, float dt,
                 const FluidSpace& space, const FluidBodies& bodies);
-  /// Removes the sorted particles that are not within the bounds, from the tiles of `grid`, too.
-  void keep_within(const Bounds& bounds, FluidGrid& grid, const FluidSpace& space);
+  /// Removes the sorted particles that are within a box, or, if `within` is false, beside it, from the tiles of `grid`,
+  /// too. Returns how many.
+  std::size_t remove(const Bounds& box, bool within, FluidGrid& grid, const FluidSpace& space);
   /// The place of a particle, m.
   static Vec2 place_of(const kernels::FluidParticle& p, const FluidTile& tile, const FluidSpace& space) {
     return {space.left + (double{kernels::kTile} * tile.x + p.x) * space.cell_x,
@@ -72,6 +90,14 @@ class FluidParticles {
   void look_around(const FluidSpace& space, const kernels::FluidMotion& motion, WorkerPool& pool, FluidBodies& bodies);
   void lay_tiles(const FluidSpace& space, FluidGrid& grid);
   void count_chunk(std::size_t job, const FluidGrid& grid);
+
+  /// Whether a tile has no point of a box.
+  static bool beside(const FluidTile& tile, const Bounds& box, const FluidSpace& space) {
+    kernels::FluidParticle corner{}, other{};
+    other.x = other.y = static_cast<float>(kernels::kTile);
+    const Vec2 low = place_of(corner, tile, space), high = place_of(other, tile, space);
+    return low.x > box.xmax || high.x < box.xmin || low.y > box.ymax || high.y < box.ymin;
+  }
 
   static constexpr std::size_t kChunk = 4096;  // particles a job
   /// A job notes here where its particles are.

@@ -328,22 +328,30 @@ void Fluids::look(std::vector<Seen>& out) const {
 std::uint64_t Fluids::hash(std::uint64_t before) const {
   struct Moving {
     Vec2 place, velocity;
-    bool there = false;
   };
-  std::vector<Moving> by_id(particles_.next_id());
+  std::vector<Moving> seen;
+  std::vector<std::uint64_t> order;  // of ids, with places in `seen`
+  seen.reserve(particles_.size());
+  order.reserve(particles_.size());
   particles_.each(solver_.grid(), [&](const kernels::FluidParticle& p, const FluidTile& tile, std::uint32_t) {
-    by_id[p.id] = {FluidParticles::place_of(p, tile, space_), {double{p.u}, double{p.v}}, true};
+    order.push_back(std::uint64_t{p.id} << 32 | seen.size());
+    seen.push_back({FluidParticles::place_of(p, tile, space_), {double{p.u}, double{p.v}}});
   });
+  psim::sort_keys(order.begin(), order.end());
   std::uint64_t hash = before;
   const auto mix = [&hash](std::uint64_t value) { hash = mixed(hash * 0x9E3779B97F4A7C15u + value); };
-  for (std::size_t id = 0; id < by_id.size(); ++id) {
-    const Moving& p = by_id[id];
-    if (!p.there) continue;
-    mix(id);
-    for (const double value : {p.place.x, p.place.y, p.velocity.x, p.velocity.y}) {
-      // Adding zero makes -0 the same as 0. All NaN are alike.
-      mix(value == value ? std::bit_cast<std::uint64_t>(value + 0.0) : 0x7FF8000000000000u);
-    }
+  // Adding zero makes -0 the same as 0. All NaN are alike.
+  const auto mix_number = [&mix](double value) {
+    mix(value == value ? std::bit_cast<std::uint64_t>(value + 0.0) : 0x7FF8000000000000u);
+  };
+  for (const std::uint64_t key : order) {
+    const Moving& p = seen[key & 0xFFFFFFFFu];
+    mix(key >> 32);
+    for (const double value : {p.place.x, p.place.y, p.velocity.x, p.velocity.y}) mix_number(value);
+  }
+  for (const FluidEmitter& e : taps_.emitters) {
+    mix(e.id);
+    for (const double value : {e.desc.speed, e.age, e.rows}) mix_number(value);
   }
   return hash;
 }
@@ -355,6 +363,7 @@ void Fluids::clear() {
   viscosity_ = 0;
   densities_ = false;
   particles_.clear();
+  taps_ = {};
   bodies_.clear();
   space_ = FluidSpace();
   solver_.grid().lay({}, space_, 0);

@@ -9,12 +9,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "fluid/fluid_equations.h"
 #include "fluid/fluid_particles.h"
 #include "fluid/fluid_solver.h"
+#include "fluid/fluid_taps.h"
 
 namespace psim {
 
@@ -65,8 +67,22 @@ class Fluids {
   /// One more than the largest id that a particle had.
   std::uint32_t ids() const { return particles_.next_id(); }
   /// Removes the particles that are not within the bounds.
-  void keep_within(const Bounds& bounds) { particles_.keep_within(bounds, solver_.grid(), space_); }
+  void keep_within(const Bounds& bounds) { particles_.remove(bounds, false, solver_.grid(), space_); }
+  /// Lays the grid of an open world, if it had no particle yet, with its corner half a spacing from the first one, as
+  /// where a region is full. So it does not matter where a scene lies.
+  void lay_corner(const Bounds& bounds, Vec2 first);
+  /// Where fluids come from and where they go.
+  FluidTaps& taps() { return taps_; }
+  const FluidTaps& taps() const { return taps_; }
+  /// Removes the particles that are in drains. After step().
+  void drain();
+  /// Emitters let out what flows in dt seconds. False if there was no memory for some of it. After step() and drain().
+  bool emit(double dt, Vec2 gravity, const Bounds& bounds);
+  /// What is within a box, and where `holds` says so, of a fluid or of all.
+  FluidAmount amount_in(const Bounds& box, FluidId fluid, const std::function<bool(Vec2)>& holds) const;
   std::size_t size() const { return particles_.size(); }
+  /// Whether a step has something to do.
+  bool active() const { return size() != 0 || taps_.any(); }
   std::size_t bytes() const { return particles_.bytes() + solver_.bytes() + old_pressure_.bytes() + bodies_.bytes(); }
   FluidCounts counts() const;
   /// `before` and the particles, by id.
@@ -81,6 +97,7 @@ class Fluids {
   void look(std::vector<Seen>& out) const;
 
  private:
+  void let_out(FluidEmitter& emitter, const FluidOutflow& flow, std::size_t count, Vec2 gravity, const Bounds& bounds);
   void describe_kinds(Archive& a, const Bounds& bounds, Boundary boundary);
   int parts_of(double dt, Vec2 gravity) const;
   void step_part(Vec2 gravity, double bodies_moved);
@@ -100,6 +117,7 @@ class Fluids {
   FluidParticles particles_;
   FluidSolver solver_;
   FluidBodies bodies_;
+  FluidTaps taps_;
   kernels::FluidMotion motion_{};
   double dt_ = 0;                  // s, of a part of the step
   float fastest_ = 0;              // m/s: of full cells in the last step, and of particles that came since

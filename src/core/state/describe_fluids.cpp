@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/sort_keys.h"
 #include "fluid/fluids.h"
 #include "psim/fluid.h"
 #include "psim/limits.h"
-#include "state/describe.h"
+#include "state/describe_calls.h"
 
 namespace psim {
 
@@ -31,7 +32,7 @@ void FluidParticles::describe(Archive& a, FluidGrid& grid, const FluidSpace& spa
   a.packed(added_);
   if (a.loading()) {
     a.require(counts.size() == keys.size() && added_.size() <= count_ && next_id_ >= count_);
-    a.require(count_ <= kMostParticles && next_id_ <= kMostParticles && a.fits(count_));
+    a.require(count_ <= kMostParticles && a.fits(count_));
     for (std::size_t t = 0; t < keys.size(); ++t) {
       a.require(is_tile(keys[t], space) && (t == 0 || keys[t - 1] < keys[t]));
     }
@@ -51,12 +52,14 @@ void FluidParticles::describe(Archive& a, FluidGrid& grid, const FluidSpace& spa
   columns(a, std::span(list_.data(), count_), &P::x, &P::y, &P::u, &P::v, &P::push_x, &P::push_y, &P::ux, &P::uy,
           &P::vx, &P::vy, &P::id, &P::fluid);
   if (!a.loading() || !a.ok()) return;
-  std::vector<std::uint8_t> there(next_id_);
+  std::vector<std::uint32_t> ids(count_);
   for (std::size_t k = 0; k < count_; ++k) {
     const P& p = list_[k];
-    a.require(p.fluid < kinds && p.id < next_id_ && there[p.id]++ == 0);
-    if (!a.ok()) return;
+    a.require(p.fluid < kinds && p.id < next_id_);
+    ids[k] = p.id;
   }
+  psim::sort_keys(ids.begin(), ids.end());
+  a.require(std::adjacent_find(ids.begin(), ids.end()) == ids.end());
 }
 
 static auto fields(FluidForce& f) { return std::tie(f.id, f.generation, f.force, f.torque); }
@@ -70,6 +73,26 @@ void FluidBodies::describe(Archive& a) {
     a.require(std::isfinite(forces_[k].force.x) && std::isfinite(forces_[k].force.y) &&
               std::isfinite(forces_[k].torque));
   }
+}
+
+static auto fields(FluidEmitter& e) { return std::tie(e.id, e.desc, e.age, e.rows, e.emitted); }
+static auto fields(FluidDrain& d) { return std::tie(d.id, d.region); }
+
+static void describe_taps(Archive& a, FluidTaps& t, std::size_t fluids, const Bounds& bounds) {
+  values(a, t.emitters, t.drains, t.next_emitter, t.next_drain, t.emitted, t.drained, t.withheld);
+  if (!a.loading()) return;
+  a.require(t.emitters.size() <= kMostEmitters && t.drains.size() <= kMostDrains);
+  for (std::size_t k = 0; k < t.emitters.size() && a.ok(); ++k) {
+    const FluidEmitter& e = t.emitters[k];
+    a.require(e.id < t.next_emitter && (k == 0 || t.emitters[k - 1].id < e.id));
+    a.require(check_emitter(e.desc, fluids, bounds).empty());
+    a.require(e.age >= 0 && std::isfinite(e.age) && e.rows >= 0 && e.rows < 1 && e.emitted <= e.desc.limit);
+  }
+  for (std::size_t k = 0; k < t.drains.size() && a.ok(); ++k) {
+    const FluidDrain& d = t.drains[k];
+    a.require(d.id < t.next_drain && (k == 0 || t.drains[k - 1].id < d.id) && check_drain(d.region).empty());
+  }
+  if (!a.ok()) t = {};
 }
 
 void Fluids::describe_kinds(Archive& a, const Bounds& bounds, Boundary boundary) {
@@ -92,6 +115,7 @@ void Fluids::describe(Archive& a, const Bounds& bounds, Boundary boundary) {
   if (!a.ok() || kinds_.empty()) return;
   FluidGrid& grid = solver_.grid();
   particles_.describe(a, grid, space_, kinds_.size());
+  describe_taps(a, taps_, kinds_.size(), bounds);
   values(a, dt_, error_mean_, error_max_, iterations_, fastest_);
   bodies_.describe(a);
   a.require(dt_ >= 0 && dt_ <= limits::kTimeStep.max && fastest_ >= 0);

@@ -186,6 +186,23 @@ bool Recorder::add_particles(FluidId fluid, std::span<const Vec2> positions, std
   return log_->done(world_, write, [&] { return world_.add_particles(fluid, positions, velocities, error); });
 }
 
+EmitterId Recorder::add_emitter(const EmitterDesc& desc, std::string& error) {
+  const auto add = [&] { return world_.add_emitter(desc, error) + 1; };  // 0: it is refused
+  return log_->done(
+             world_, [&] { log_->add(kAddEmitter, desc); }, add) -
+         1;
+}
+
+DrainId Recorder::add_drain(const Bounds& region, std::string& error) {
+  const auto add = [&] { return world_.add_drain(region, error) + 1; };  // 0: it is refused
+  return log_->done(
+             world_, [&] { log_->add(kAddDrain, region); }, add) -
+         1;
+}
+
+bool Recorder::remove_emitter(EmitterId id) { return log_->call<21>(world_, id); }
+bool Recorder::set_emitter_speed(EmitterId id, double speed) { return log_->call<22>(world_, id, speed); }
+bool Recorder::remove_drain(DrainId id) { return log_->call<23>(world_, id); }
 bool Recorder::remove_body(BodyId id) { return log_->call<0>(world_, id); }
 std::size_t Recorder::remove_bodies(std::span<const BodyId> ids) {
   Log& log = *log_;

@@ -13,13 +13,14 @@
 namespace psim::recorded {
 
 // Calls of the host that take what they are given, each by its place in this list.
-inline constexpr std::tuple kCalls{&World::remove_body,   &World::set_transform,    &World::set_velocity,
-                                   &World::apply_impulse, &World::apply_impulse_at, &World::apply_angular_impulse,
-                                   &World::set_gravity,   &World::set_sleeping,     &World::wake,
-                                   &World::remove_joint,  &World::set_motor,        &World::set_skin,
-                                   &World::set_enabled,   &World::set_traits,       &World::set_user_data,
-                                   &World::set_target,    &World::apply_force,      &World::apply_force_at,
-                                   &World::apply_torque,  &World::explode,          &World::set_part_traits};
+inline constexpr std::tuple kCalls{&World::remove_body,    &World::set_transform,     &World::set_velocity,
+                                   &World::apply_impulse,  &World::apply_impulse_at,  &World::apply_angular_impulse,
+                                   &World::set_gravity,    &World::set_sleeping,      &World::wake,
+                                   &World::remove_joint,   &World::set_motor,         &World::set_skin,
+                                   &World::set_enabled,    &World::set_traits,        &World::set_user_data,
+                                   &World::set_target,     &World::apply_force,       &World::apply_force_at,
+                                   &World::apply_torque,   &World::explode,           &World::set_part_traits,
+                                   &World::remove_emitter, &World::set_emitter_speed, &World::remove_drain};
 
 // An entry of the log begins with one of these numbers, or with kCallsBegin and the place of a call in kCalls.
 enum Op : std::uint8_t {
@@ -35,13 +36,15 @@ enum Op : std::uint8_t {
   kRemoveBodies,
   kAddFluid,
   kAddParticles,
+  kAddEmitter,
+  kAddDrain,
   kCallsBegin
 };
 inline constexpr std::uint8_t kOps = kCallsBegin + std::tuple_size_v<decltype(kCalls)>;
 
 struct RecordHeader : FileHeader {
   static constexpr std::uint64_t kMagic = 0x31304352'6D697370u;  // "psimRC01"
-  static constexpr std::uint64_t kFormat = 15;
+  static constexpr std::uint64_t kFormat = 16;
   std::uint64_t state = 0;  ///< bytes of the state that it began with
   std::uint64_t steps = 0;
 

@@ -89,6 +89,12 @@ struct Replay::State {
         if (log->ok()) w.add_particles(fluid, positions, velocities, error);
         break;
       }
+      case kAddEmitter:
+        w.add_emitter(get<EmitterDesc>(), error);
+        break;
+      case kAddDrain:
+        w.add_drain(get<Bounds>(), error);
+        break;
       default:
         call(op - std::size_t{kCallsBegin});
     }

@@ -99,7 +99,7 @@ std::vector<PlanEntry> explain(const Plan& p, const Traits& t) {
       "discs alone, nothing stands fixed, and nobody is a bullet");
   add("rotation", p.rotation, "friction, a shape, a joint or a given spin turns bodies", "nothing turns a body");
   add("integrate", moves, "bodies move", "no body moves");
-  add("fluid", t.fluids, "there are particles of fluids", "the world has no fluid");
+  add("fluid", t.fluids, "there are particles of fluids, or taps", "the world has no fluid");
   add("sleep", p.sleep, "bodies that come to rest are left out",
       t.sleeping ? "no body moves" : "the world's bodies never sleep");
   add("events", p.events, "the host asks for contacts, hits or sensors", "nobody asks for events");

@@ -118,10 +118,10 @@ void move(Owners& w, double dt, StepReport& report) {
 }
 
 void move_fluids(Owners& w, double dt, StepReport& report) {
-  if (w.fluids.size() == 0) return;
+  if (!w.fluids.active()) return;
   const StageTimer timer(report, w.tracer, Stage::fluid);
   w.dynamics.moving = true;  // from now on the step cannot be taken back
-  step_fluids(w, dt);
+  if (!step_fluids(w, dt)) lose(report, "emitters");
 }
 
 void collect_events(Owners& w, StepReport& report) {
@@ -185,7 +185,7 @@ void advance(Owners& w, double frame_dt, StepReport& report) {
   collect_events(w, report);
   if (w.bodies.awake() != 0) count_contacts(w, report);
   w.progress = {};
-  if (w.fluids.size() != 0) push_by_fluids(w);
+  if (w.fluids.active()) push_by_fluids(w);
 }
 
 // Time stands still in this frame: the work goes on in the next one. Where bodies are pushed it begins again then: lists

@@ -65,11 +65,14 @@ class WorldSolids : public SolidFinder {
 
 }  // namespace
 
-void step_fluids(Owners& w, double dt) {
+bool step_fluids(Owners& w, double dt) {
   w.observers.queries.forget(QueryIndex::kMoving);
   const WorldSolids solids(w);
   w.fluids.step(dt, w.desc.gravity, &solids);
   if (w.desc.boundary == Boundary::open) w.fluids.keep_within(w.desc.bounds);
+  if (!w.fluids.taps().any()) return true;
+  w.fluids.drain();
+  return w.fluids.emit(dt, w.desc.gravity, w.desc.bounds);
 }
 
 void push_by_fluids(Owners& w) {

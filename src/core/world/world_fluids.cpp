@@ -2,6 +2,7 @@
 #include <vector>
 
 #include "base/range_text.h"
+#include "base/sort_keys.h"
 #include "psim/limits.h"
 #include "world/world_impl.h"
 
@@ -16,7 +17,8 @@ std::string check_particles(const Owners& w, FluidId fluid, std::span<const Vec2
     return "there are " + std::to_string(velocities.size()) + " velocities for " + std::to_string(positions.size()) +
            " particles: one each, or none";
   }
-  const std::size_t before = w.fluids.ids();
+  const std::size_t before = w.fluids.size();
+  if (positions.size() > FluidParticles::kMostIds - w.fluids.ids()) return "the world has no ids for more particles";
   if (positions.size() > kMostParticles - before) {
     return "a world has at most " + std::to_string(kMostParticles) + " particles, not " +
            std::to_string(before + positions.size());
@@ -58,13 +60,7 @@ bool World::add_particles(FluidId fluid, std::span<const Vec2> positions, std::s
   if (!error.empty()) return false;
   if (positions.empty()) return true;
   w.fluids.make_room(positions.size());
-  // The grid of an open world has its corner half a spacing from the first particle, as where a region is full. So it
-  // does not matter where a scene lies.
-  if (w.fluids.ids() == 0 && w.desc.boundary == Boundary::open) {
-    const double spacing = w.fluids.kinds()[0].spacing;
-    const Vec2 corner = positions[0] - Vec2{spacing / 2, spacing / 2};
-    w.fluids.begin(fluid_space(w.desc.bounds, w.desc.boundary, 2 * spacing, corner));
-  }
+  w.fluids.lay_corner(w.desc.bounds, positions[0]);
   for (std::size_t k = 0; k < positions.size(); ++k) {
     w.fluids.add(fluid, positions[k], velocities.empty() ? Vec2{} : velocities[k]);
   }
@@ -78,15 +74,14 @@ void World::fluid_particles(std::vector<FluidParticleState>& out) const try {
   const FloatSettings settings;
   std::vector<Fluids::Seen> seen;
   impl_->fluids.look(seen);
-  // By id: each has a row of its own, so that nothing is compared.
-  constexpr std::uint32_t kNobody = 0xFFFFFFFFu;
-  std::vector<std::uint32_t> row_of(seen.empty() ? 0 : impl_->fluids.ids(), kNobody);
-  for (std::size_t row = 0; row < seen.size(); ++row) row_of[seen[row].id] = static_cast<std::uint32_t>(row);
+  std::vector<std::uint64_t> order;  // of ids, with places in `seen`
+  order.reserve(seen.size());
+  for (const Fluids::Seen& p : seen) order.push_back(std::uint64_t{p.id} << 32 | order.size());
+  psim::sort_keys(order.begin(), order.end());
   out.clear();
   out.reserve(seen.size());
-  for (const std::uint32_t row : row_of) {
-    if (row == kNobody) continue;
-    const Fluids::Seen& p = seen[row];
+  for (const std::uint64_t key : order) {
+    const Fluids::Seen& p = seen[key & 0xFFFFFFFFu];
     out.push_back({p.id, p.fluid, p.place, p.velocity, p.density, p.pressure});
   }
 } catch (const std::bad_alloc&) {
@@ -97,7 +92,9 @@ void World::fluid_particles(std::vector<FluidParticleState>& out) const try {
 FluidReport World::fluid_report() const {
   const FloatSettings settings;
   const FluidCounts c = impl_->fluids.counts();
-  return {c.particles, c.kinetic, c.density_error_mean, c.density_error_max, c.iterations};
+  const FluidTaps& taps = impl_->fluids.taps();
+  return {c.particles,  c.kinetic,    c.density_error_mean, c.density_error_max,
+          c.iterations, taps.emitted, taps.drained,         taps.withheld};
 }
 
 }  // namespace psim

@@ -91,8 +91,9 @@ void let_turn(Owners& w);
 bool add_force(Owners& w, BodyId id, Vec2 force, double torque);
 
 // world_fluid_bodies.cpp
-/// Moves the fluids of a world by dt seconds, around its bodies.
-void step_fluids(Owners& w, double dt);
+/// Moves the fluids of a world by dt seconds, around its bodies; then drains and emitters have their turn. False if there
+/// was no memory for all that emitters let out.
+bool step_fluids(Owners& w, double dt);
 /// Gives bodies what the fluids' last step did to them.
 void push_by_fluids(Owners& w);
 

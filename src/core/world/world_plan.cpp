@@ -113,7 +113,7 @@ void apply_plan(Owners& w) {
 std::vector<PlanEntry> World::plan() const try {
   Owners& w = *impl_;
   Traits traits = present_traits(w);
-  traits.fluids = w.fluids.size() != 0;
+  traits.fluids = w.fluids.active();
   const Plan plan = make_plan(traits);
   std::vector<PlanEntry> entries = explain(plan, traits);
   const auto count = [&entries](std::string_view stage, std::size_t bytes) {

@@ -117,7 +117,7 @@ std::optional<ClosestHit> World::closest(Vec2 point, double reach, const QueryFi
 std::uint64_t World::state_hash() const try {
   const FloatSettings settings;
   const std::uint64_t hash = psim::state_hash(impl_->observed());
-  return impl_->fluids.size() == 0 ? hash : impl_->fluids.hash(hash);
+  return !impl_->fluids.active() ? hash : impl_->fluids.hash(hash);
 } catch (const std::bad_alloc&) {
   return nothing_found<std::uint64_t>();
 }

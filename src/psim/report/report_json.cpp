@@ -75,7 +75,10 @@ Json fluid_json(const FluidReport& fluid) {
           {"kinetic", fluid.kinetic},
           {"density_error_mean", fluid.density_error_mean},
           {"density_error_max", fluid.density_error_max},
-          {"iterations", fluid.iterations}};
+          {"iterations", fluid.iterations},
+          {"emitted", fluid.emitted},
+          {"drained", fluid.drained},
+          {"withheld", fluid.withheld}};
 }
 
 Json governor_json(const RunReport& report) {

@@ -75,6 +75,10 @@ std::string report_text(const RunReport& report) {
                    "the last step\n",
                    grouped(report.fluid->particles), report.fluid->kinetic, 100 * report.fluid->density_error_mean,
                    100 * report.fluid->density_error_max, report.fluid->iterations);
+    if (report.fluid->emitted + report.fluid->drained + report.fluid->withheld != 0) {
+      fmt::format_to(out, "Taps: {} particles emitted  {} drained  {} withheld\n", grouped(report.fluid->emitted),
+                     grouped(report.fluid->drained), grouped(report.fluid->withheld));
+    }
   }
   if (report.target) text += target_text(*report.target);
   if (report.profile) text += profile_text(*report.profile);

@@ -87,7 +87,10 @@ inline std::string array_lines(const std::vector<std::string>& elements, std::si
   return text + margin + ']';
 }
 
-/// One element of `fluids`.
-std::string fluid_text(const SceneFluid& fluid);
+/// One element of `fluids`. `fed`: by an emitter, so that it may begin empty.
+std::string fluid_text(const SceneFluid& fluid, bool fed);
+/// One element of `emitters`, and of `drains`.
+std::string emitter_text(const EmitterDesc& emitter);
+std::string drain_text(const Bounds& region);
 
 }  // namespace psim::scene

@@ -18,8 +18,9 @@
 namespace psim {
 namespace {
 
-constexpr std::array<std::string_view, 11> kSceneKeys = {
-    "psim", "name", "description", "world", "step", "materials", "bodies", "groups", "joints", "fields", "fluids"};
+constexpr std::array<std::string_view, 13> kSceneKeys = {"psim",      "name",     "description", "world",  "step",
+                                                         "materials", "bodies",   "groups",      "joints", "fields",
+                                                         "fluids",    "emitters", "drains"};
 constexpr std::uint64_t kFormat = 1;
 
 Scene read_scene(const scene::Json& document) {
@@ -45,6 +46,8 @@ Scene read_scene(const scene::Json& document) {
   scene::read_groups(root, context, out);
   scene::read_joints(root, context, out);
   scene::read_fluids(root, context, out);
+  scene::read_emitters(root, context, out);
+  scene::read_drains(root, out);
   return out;
 }
 

@@ -21,8 +21,21 @@ constexpr std::array<std::string_view, 5> kFluidListKeys = {"layout", "x", "y", 
 constexpr std::array<std::string_view, 2> kFluidDiscKeys = {"position", "radius"};
 constexpr std::array<std::string_view, 1> kFluidPolygonKeys = {"vertices"}, kFluidLayouts = {"explicit"};
 
-// The one key that says where the particles are.
-std::string_view place_key(const Node& node) {
+// The fluids that emitters name, before these are read: one of them may begin without particles.
+bool is_fed(const Node& scene, std::size_t fluid) {
+  const std::optional<Node> emitters = scene.find("emitters");
+  if (!emitters || !emitters->is_array()) return false;
+  for (std::size_t k = 0; k < emitters->size(); ++k) {
+    const Json& emitter = emitters->element(k).json();
+    if (!emitter.is_object()) continue;
+    const auto named = emitter.find("fluid");
+    if (named == emitter.end() ? fluid == 0 : *named == fluid) return true;
+  }
+  return false;
+}
+
+// The one key that says where the particles are; empty if there is none and the fluid is fed by an emitter.
+std::string_view place_key(const Node& node, bool fed) {
   std::string_view found;
   for (const std::string_view key : kFluidPlaces) {
     if (!node.find(key)) continue;
@@ -31,7 +44,9 @@ std::string_view place_key(const Node& node) {
     }
     found = key;
   }
-  if (found.empty()) node.fail("one of the keys " + word_list(kFluidPlaces) + " is missing");
+  if (found.empty() && !fed) {
+    node.fail("one of the keys " + word_list(kFluidPlaces) + " is missing, and no emitter lets this fluid out");
+  }
   return found;
 }
 
@@ -97,12 +112,30 @@ FluidList read_fluid_list(const Node& node, const Context& context) {
   return list;
 }
 
-SceneFluid read_fluid(const Node& node, const Context& context) {
+// The particles that a fluid begins with.
+void read_place(const Node& node, std::string_view key, const Context& context, SceneFluid& fluid) {
+  if (key.empty()) {
+    fluid.place = FluidList();
+  } else if (key == "layout") {
+    fluid.place = read_fluid_list(node, context);
+  } else if (const Node place = node.require(key); key == "disc") {
+    fluid.place = read_fluid_disc(place, context);
+  } else if (key == "polygon") {
+    fluid.place = read_fluid_polygon(place, context);
+  } else {
+    const Bounds region = read_bounds(place);
+    expect_within(place, region, context.bounds);
+    fluid.place = region;
+  }
+}
+
+SceneFluid read_fluid(const Node& node, const Context& context, bool fed) {
   node.expect_object();
   SceneFluid fluid;
-  const std::string_view key = place_key(node);
-  const Node place = *node.find(key);
-  if (key == "layout") {
+  const std::string_view key = place_key(node, fed);
+  if (key.empty()) {
+    node.expect_object(kFluidKeys);
+  } else if (key == "layout") {
     node.expect_object(joined(kFluidListKeys, kFluidKeys));
   } else {
     node.expect_object(joined(std::array<std::string_view, 1>{key}, kFluidKeys));
@@ -111,17 +144,7 @@ SceneFluid read_fluid(const Node& node, const Context& context) {
   fluid.fluid.density = node.number_or("density", fluid.fluid.density, limits::kDensity);
   fluid.fluid.viscosity = node.number_or("viscosity", fluid.fluid.viscosity, limits::kViscosity);
   fluid.velocity = node.vec2_or("velocity", fluid.velocity, limits::kVelocity);
-  if (key == "region") {
-    const Bounds region = read_bounds(place);
-    expect_within(place, region, context.bounds);
-    fluid.place = region;
-  } else if (key == "disc") {
-    fluid.place = read_fluid_disc(place, context);
-  } else if (key == "polygon") {
-    fluid.place = read_fluid_polygon(place, context);
-  } else {
-    fluid.place = read_fluid_list(node, context);
-  }
+  read_place(node, key, context, fluid);
   return fluid;
 }
 
@@ -134,7 +157,7 @@ void read_fluids(const Node& scene, const Context& context, Scene& out) {
   std::uint64_t count = 0;
   for (std::size_t k = 0; k < fluids->size(); ++k) {
     const Node node = fluids->element(k);
-    out.fluids.push_back(read_fluid(node, context));
+    out.fluids.push_back(read_fluid(node, context, is_fed(scene, k)));
     const FluidDesc &fluid = out.fluids.back().fluid, &first = out.fluids[0].fluid;
     if (fluid.spacing > first.spacing) {
       node.require("spacing").fail(exact_text(fluid.spacing) + " is larger than that of the first fluid: at most " +

@@ -33,6 +33,9 @@ void read_bodies(const Node& scene, Context& context, Scene& out);
 void read_groups(const Node& scene, Context& context, Scene& out);
 /// After the world.
 void read_fluids(const Node& scene, const Context& context, Scene& out);
+/// After the fluids.
+void read_emitters(const Node& scene, const Context& context, Scene& out);
+void read_drains(const Node& scene, Scene& out);
 /// After bodies and groups.
 void read_joints(const Node& scene, const Context& context, Scene& out);
 

@@ -343,7 +343,7 @@ std::string step_text(const Scene& scene) {
 }  // namespace
 
 std::string scene_to_json(const Scene& scene) {
-  std::vector<std::string> fields, bodies, groups, joints, fluids;
+  std::vector<std::string> fields, bodies, groups, joints, fluids, emitters, drains;
   for (const Field& field : scene.world.fields) fields.push_back(std::visit(FieldText{}, field));
   for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
     const bool named = k < scene.body_names.size();
@@ -354,7 +354,12 @@ std::string scene_to_json(const Scene& scene) {
   }
 
   for (const SceneJoint& joint : scene.joints) joints.push_back(joint_text(joint));
-  for (const SceneFluid& fluid : scene.fluids) fluids.push_back(scene::fluid_text(fluid));
+  for (std::size_t k = 0; k < scene.fluids.size(); ++k) {
+    const bool fed = std::ranges::any_of(scene.emitters, [k](const EmitterDesc& e) { return e.fluid == k; });
+    fluids.push_back(scene::fluid_text(scene.fluids[k], fed));
+  }
+  for (const EmitterDesc& emitter : scene.emitters) emitters.push_back(scene::emitter_text(emitter));
+  for (const Bounds& region : scene.drains) drains.push_back(scene::drain_text(region));
 
   Object out;
   out.raw("psim", "1");
@@ -368,6 +373,8 @@ std::string scene_to_json(const Scene& scene) {
   if (!groups.empty()) out.raw("groups", array_lines(groups, 2));
   if (!joints.empty()) out.raw("joints", array_lines(joints, 2));
   if (!fluids.empty()) out.raw("fluids", array_lines(fluids, 2));
+  if (!emitters.empty()) out.raw("emitters", array_lines(emitters, 2));
+  if (!drains.empty()) out.raw("drains", array_lines(drains, 2));
   return out.lines(0) + '\n';
 }
 

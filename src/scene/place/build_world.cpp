@@ -154,6 +154,21 @@ bool add_fluid(World& world, const Scene& scene, std::size_t k, std::string& err
   return false;
 }
 
+bool add_taps(World& world, const Scene& scene, std::string& error) {
+  std::string what;
+  for (std::size_t k = 0; k < scene.emitters.size(); ++k) {
+    if (world.add_emitter(scene.emitters[k], what) != kNoEmitter) continue;
+    error = "emitters[" + std::to_string(k) + "]: " + what;
+    return false;
+  }
+  for (std::size_t k = 0; k < scene.drains.size(); ++k) {
+    if (world.add_drain(scene.drains[k], what) != kNoDrain) continue;
+    error = "drains[" + std::to_string(k) + "]: " + what;
+    return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::unique_ptr<World> build_world(const Scene& scene, const RunOptions& options, std::string& error) {
@@ -170,6 +185,7 @@ std::unique_ptr<World> build_world(const Scene& scene, const RunOptions& options
   for (std::size_t k = 0; k < scene.fluids.size(); ++k) {
     if (!add_fluid(*world, scene, k, error)) return nullptr;
   }
+  if (!add_taps(*world, scene, error)) return nullptr;
   return world;
 }
 
