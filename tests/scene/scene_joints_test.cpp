@@ -323,7 +323,7 @@ TEST(SceneLinks, BadOnesAreRefused) {
   refused("hex", R"({"diagonals": true})", "groups[0].links.diagonals", "layout \"lattice\"");
   refused("ring", R"({"diagonals": true})", "groups[0].links.diagonals", "layout \"lattice\"");
   refused("ring", R"({"pin": "top"})", "groups[0].links.pin", "layout \"lattice\" or \"hex\"");
-  refused("lattice", R"({"break_force": 0})", "groups[0].links.break_force", "more than 0");
+  refused("lattice", R"({"break_force": 0})", "groups[0].links.break_force", "above 0");
   refused("random", "{}", "groups[0].links", "layout \"lattice\", \"hex\" or \"ring\"");
   expect_refused(scene_text(R"("groups": [{"layout": "lattice", "count": 1, "region": [0, 0, 9, 9],
     "radius": 1, "type": "static", "links": {}}])"),

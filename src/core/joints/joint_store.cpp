@@ -368,6 +368,7 @@ bool JointStore::breaks_first(const Overload& load, std::span<const Overload> al
 }
 
 std::vector<JointStore::Overload> JointStore::overloads() const {
+  constexpr double kSteps = 100;  // loads that differ by rounding alone are equal
   std::vector<Overload> all;
   if (stale_) return all;  // nothing was solved since joints came, went or changed
   for (const std::uint32_t i : fragile_) {
@@ -376,7 +377,9 @@ std::vector<JointStore::Overload> JointStore::overloads() const {
     const JointDesc& d = extra.desc;
     if (d.break_force > 0) load.share = length_of(load.force) / d.break_force;
     if (d.break_torque > 0) load.share = greater(load.share, std::fabs(load.torque) / d.break_torque);
-    if (load.share > 1) all.push_back(load);
+    if (!(load.share > 1)) continue;
+    load.share = std::floor(kSteps * load.share);
+    all.push_back(load);
   }
   std::vector<Overload> out;
   for (const Overload& load : all) {

@@ -89,7 +89,7 @@ class JointStore {
     std::uint32_t joint = 0;
     Vec2 force;
     double torque = 0;
-    double share = 0;  ///< its load, of what it bears
+    double share = 0;  ///< its load, in steps of a hundredth of what it bears
   };
   /// Lists the joints that break after the last step, by index: those that it overloaded, but of the joints of one moving
   /// body only the most loaded one. When that one goes, the others bear less: a rope breaks in one place. O(joints that
