@@ -71,7 +71,7 @@ struct JointDesc {
   /// Hz: how fast the spring swings alone, from which stiffness and damping follow when the joint is made.
   std::optional<double> frequency = {};
   double damping_ratio = 0;     ///< with frequency: 1 is the least damping without a swing
-  double break_force = 0;       ///< N: the joint is gone after a step with more in the mean; 0: never
+  double break_force = 0;       ///< N: gone after a step with more in the mean, the most loaded first; 0: never
   double break_torque = 0;      ///< N m: the same
   std::uint64_t user_data = 0;  ///< 64 bits of the host
   double linear_stiffness = 0;  ///< weld: N/m, of a spring that holds the anchors together; 0 and no damping: rigid

@@ -17,13 +17,13 @@
 
 namespace psim {
 
-enum class Layout : std::uint8_t { lattice, hex, random, explicit_list };
+enum class Layout : std::uint8_t { lattice, hex, random, explicit_list, ring };
 
 /// Which bodies of a linked group stand still.
 enum class Pin : std::uint8_t { none, top, corners, left, ends };
 
-/// Joins the neighbours of a lattice or hex group, centre to centre, at the distance that they are
-/// placed at: a rope, a net, a cloth.
+/// Joins the neighbours of a lattice, hex or ring group, centre to centre, at the distance that they are
+/// placed at: a rope, a net, a cloth. The links of a ring close it.
 struct LinkDesc {
   JointType type = JointType::distance;  ///< distance, spring or rope
   double stiffness = 0;                  ///< spring: N/m
@@ -31,6 +31,7 @@ struct LinkDesc {
   bool diagonals = false;                ///< lattice: the two diagonals of every cell, too
   Pin pin = Pin::none;                   ///< pinned bodies are static
   bool collide = false;                  ///< whether neighbours still collide
+  double break_force = 0;                ///< N: a link that bears more in a step goes; 0: it holds whatever comes
 };
 
 /// Many alike bodies placed by rule. See docs/scenes.md for the layouts.
@@ -44,7 +45,7 @@ struct GroupDesc {
   double velocity_spread = 0;  ///< uniform +-s on each axis
   std::uint64_t seed = 1;
   std::vector<double> x, y, radius, vx, vy;  ///< explicit_list only
-  std::optional<LinkDesc> links;             ///< lattice and hex only
+  std::optional<LinkDesc> links;             ///< lattice, hex and ring only
   /// Everything else (type, material, mass, ...). A shape other than a disc is that of every body,
   /// and is placed by the circle around its origin that holds it; no chains.
   BodyDesc body;

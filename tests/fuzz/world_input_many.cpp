@@ -68,7 +68,7 @@ Shape giant(ByteSource& in, double radius) {
 GroupDesc Session::group(std::size_t most) {
   GroupDesc g;
   const std::size_t room = most_bodies_ - std::min(most_bodies_, bodies_.size());
-  g.layout = one_of(in_, {Layout::lattice, Layout::hex, Layout::random});
+  g.layout = one_of(in_, {Layout::lattice, Layout::hex, Layout::random, Layout::ring});
   g.count = std::min({room, 1 + in_.below_wide(most), kMostNear / (1 + segments_)});
   const double half = one_of(in_, {3.0, 11.5, 28.0, 90.0});
   const Vec2 home = in_.home;

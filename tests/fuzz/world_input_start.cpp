@@ -17,6 +17,7 @@ LinkDesc links(ByteSource& in) {
   l.diagonals = in.chance(80);
   l.pin = one_of(in, {Pin::none, Pin::top, Pin::corners, Pin::left, Pin::ends});
   l.collide = in.chance(60);
+  if (in.chance(60)) l.break_force = in.uniform(0.1, 500);
   return l;
 }
 

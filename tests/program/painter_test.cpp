@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <string>
 #include <vector>
 
 namespace psim::cli {
@@ -30,7 +31,7 @@ class Painting : public ::testing::Test {
     const std::vector<double> zero(2);
     moment_ = {
         {0, 1}, {-1.5, 1.5}, zero, zero, zero, zero, zero, {1, 1}, {BodyType::dynamic_body, BodyType::dynamic_body},
-        {0, 0}, {},          {},   {},   {}};
+        {0, 0}, {},          {},   {},   {},   {}};
   }
   std::array<Rgb, 2> paint(Colouring colouring) {
     constexpr int kWidth = 60, kHeight = 40;
@@ -221,6 +222,28 @@ TEST_F(Painting, ContactsHaveTheirColour) {
   EXPECT_EQ(paint(Colouring::solver)[0], with[0]);
   moment_.links[0].point = {9, 9};  // far from it: across the seam
   EXPECT_EQ(paint(Colouring::solver)[0], without[0]);
+}
+
+// Three links of a row, of which the second one broke.
+TEST(Joints, ThatBrokeAreNotDrawn) {
+  Scene scene;
+  GroupDesc row;
+  row.count = 4;
+  row.region = {0, 0, 4, 1};
+  row.radius_min = row.radius_max = 0.25;
+  row.links = LinkDesc{};
+  scene.groups.push_back(row);
+  std::string error;
+  const auto world = build_world(scene, {}, error);
+  ASSERT_NE(world, nullptr) << error;
+  ASSERT_TRUE(world->remove_joint({1, 0}));
+  const SceneShapes shapes(scene);
+  Moment moment;
+  take_moment(*world, moment, Colouring::speed, joints_of(scene));
+  ASSERT_EQ(shapes.joints().size(), 3u);
+  for (const DrawnJoint& joint : shapes.joints()) {
+    EXPECT_EQ(SceneShapes::ends_of(joint, moment).has_value(), joint.a != 1) << joint.a;
+  }
 }
 
 TEST_F(Painting, AsleepIsGrey) {

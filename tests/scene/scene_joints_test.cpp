@@ -225,7 +225,8 @@ std::set<std::pair<std::uint64_t, std::uint64_t>> pairs_of(const Scene& scene) {
 TEST(SceneLinks, AreRead) {
   const Scene scene = parsed_scene(linked_text("lattice", 6, "[0, 0, 3, 2]",
                                                R"({"type": "spring", "stiffness": 5, "damping": 1,
-                                                   "diagonals": true, "pin": "corners"})"));
+                                                   "diagonals": true, "pin": "corners",
+                                                   "break_force": 7})"));
   ASSERT_TRUE(scene.groups.at(0).links);
   const LinkDesc& links = *scene.groups[0].links;
   EXPECT_EQ(links.type, JointType::spring);
@@ -234,10 +235,13 @@ TEST(SceneLinks, AreRead) {
   EXPECT_TRUE(links.diagonals);
   EXPECT_EQ(links.pin, Pin::corners);
   EXPECT_FALSE(links.collide);
+  EXPECT_EQ(links.break_force, 7);
+  for (const SceneJoint& joint : all_joints(scene)) EXPECT_EQ(joint.joint.break_force, 7);
   const Scene again = parsed_scene(scene_to_json(scene));
   EXPECT_EQ(scene_to_json(again), scene_to_json(scene));
   EXPECT_EQ(again.groups.at(0).links->stiffness, 5);
   EXPECT_EQ(again.groups.at(0).links->pin, Pin::corners);
+  EXPECT_EQ(again.groups.at(0).links->break_force, 7);
   EXPECT_EQ(parsed_scene(linked_text("hex", 4, "[0, 0, 9, 9]", "{}")).groups[0].links->type, JointType::distance);
 }
 
@@ -273,6 +277,17 @@ TEST(SceneLinks, JoinTheSixNearestOfAHexLattice) {
   EXPECT_EQ(pairs_of(scene), expected);
 }
 
+TEST(SceneLinks, OfARingCloseIt) {
+  using Pairs = std::set<std::pair<std::uint64_t, std::uint64_t>>;
+  const auto of = [](int count) { return pairs_of(parsed_scene(linked_text("ring", count, "[0, 0, 9, 9]", "{}"))); };
+  EXPECT_EQ(of(4), (Pairs{{0, 1}, {1, 2}, {2, 3}, {3, 0}}));
+  EXPECT_EQ(of(2), (Pairs{{0, 1}}));
+  EXPECT_EQ(of(1), Pairs{});
+  EXPECT_EQ(of(0), Pairs{});
+  const Scene scene = parsed_scene(linked_text("ring", 5, "[0, 0, 9, 9]", "{}"));
+  EXPECT_EQ(scene_to_json(parsed_scene(scene_to_json(scene))), scene_to_json(scene));
+}
+
 TEST(SceneLinks, PinsMakeStaticBodiesWithoutJointsBetweenThem) {
   const auto pinned = [](std::string_view pin) {
     const Scene scene =
@@ -306,7 +321,10 @@ TEST(SceneLinks, BadOnesAreRefused) {
   refused("lattice", R"({"pin": "bottom"})", "groups[0].links.pin", "\"corners\"");
   refused("lattice", R"({"length": 1})", "groups[0].links.length", "unknown key");
   refused("hex", R"({"diagonals": true})", "groups[0].links.diagonals", "layout \"lattice\"");
-  refused("random", "{}", "groups[0].links", "layout \"lattice\" or \"hex\"");
+  refused("ring", R"({"diagonals": true})", "groups[0].links.diagonals", "layout \"lattice\"");
+  refused("ring", R"({"pin": "top"})", "groups[0].links.pin", "layout \"lattice\" or \"hex\"");
+  refused("lattice", R"({"break_force": 0})", "groups[0].links.break_force", "above 0");
+  refused("random", "{}", "groups[0].links", "layout \"lattice\", \"hex\" or \"ring\"");
   expect_refused(scene_text(R"("groups": [{"layout": "lattice", "count": 1, "region": [0, 0, 9, 9],
     "radius": 1, "type": "static", "links": {}}])"),
                  "groups[0].links", "dynamic bodies");

@@ -78,6 +78,26 @@ TEST(ScenePlacement, HexShiftsOddRowsByHalfACellAndStaysInTheRegion) {
   EXPECT_GE(smallest_gap(g), cell - 1 - 1e-12);
 }
 
+TEST(ScenePlacement, RingStandsOnTheEllipseThatTouchesTheSidesOfItsRegion) {
+  const PlacedGroup round = placed(group_of(Layout::ring, 12, {-3, 1, 3, 7}));
+  ASSERT_EQ(round.x.size(), 12u);
+  for (std::size_t k = 0; k < 12; ++k) {
+    const double angle = std::acos(-1) * static_cast<double>(k) / 6;
+    EXPECT_NEAR(round.x[k], 3 * std::cos(angle), 1e-14);
+    EXPECT_NEAR(round.y[k], 4 + 3 * std::sin(angle), 1e-14);
+  }
+  const PlacedGroup flat = placed(group_of(Layout::ring, 4, {0, 0, 8, 2}));
+  EXPECT_NEAR(flat.x[2], 0, 1e-14);
+  EXPECT_NEAR(flat.y[1], 2, 1e-14);
+}
+
+TEST(ScenePlacement, RingWhoseBodiesOverlapNamesThem) {
+  const std::string error = refusal(group_of(Layout::ring, 13, {0, 0, 4, 4}));
+  EXPECT_NE(error.find("bodies 0 and 1 of the ring"), std::string::npos) << error;
+  placed(group_of(Layout::ring, 12, {0, 0, 4, 4}));
+  placed(group_of(Layout::ring, 1, {0, 0, 4, 4}));
+}
+
 TEST(ScenePlacement, CellThatJustFitsIsNoError) {
   // Side and cell are not representable: rounding must not refuse the last of the hundred columns.
   const PlacedGroup g = placed(group_of(Layout::lattice, 10000, {0.1, 0.1, 20.1, 20.1}, 0.1));

@@ -192,6 +192,25 @@ TEST(ViewSimulation, JointsGoWithTheirBodies) {
   EXPECT_EQ(told(simulation).joints->front().b, 1u);
 }
 
+TEST(ViewSimulation, JointsThatBreakAreGone) {
+  Scene scene = small_scene();
+  SceneJoint joint;
+  joint.a = kWorldSide;
+  joint.b = 1;
+  joint.joint.anchor_a = {scene.bodies[1].position.x, scene.bodies[1].position.y + 1};
+  scene.joints.push_back(joint);
+  joint.b = 2;
+  joint.joint.anchor_a = {scene.bodies[2].position.x, scene.bodies[2].position.y + 1};
+  joint.joint.break_force = 1e-3;
+  scene.joints.push_back(joint);
+  scene.bodies[1].position.y += 5, scene.bodies[2].position.y += 5;
+  Simulation simulation{scene, best_isa(), 1};
+  for (int frame = 0; frame < 10; ++frame) simulation.step();
+  EXPECT_EQ(told(simulation).world->joint_count(), 1u);
+  ASSERT_EQ(told(simulation).joints->size(), 1u);
+  EXPECT_EQ(told(simulation).joints->front().b, 1u);
+}
+
 TEST(ViewSimulation, NewWorldGoesOnFromThePresentState) {
   Simulation simulation = make_simulation();
   simulation.spawn({3, 20}, SpawnShape::disc, 0.5);

@@ -168,7 +168,7 @@ typedef struct psim_joint_desc {
   psim_joint_id joint_b;      ///< gear: another one
   double frequency;           ///< Hz: instead of stiffness and damping; 0: those count
   double damping_ratio;       ///< with frequency: 1 is the least damping without a swing
-  double break_force;         ///< N: the joint is gone after a step with more in the mean; 0: never
+  double break_force;         ///< N: gone after a step with more in the mean, the most loaded first; 0: never
   double break_torque;        ///< N m: the same
   uint64_t user_data;         ///< 64 bits of the host
   double linear_stiffness;    ///< weld: N/m, of a spring that holds the anchors together; 0 and no damping: rigid

@@ -6,6 +6,7 @@
 #include <tuple>
 #include <utility>
 
+#include "base/elementary.h"
 #include "base/room.h"
 #include "base/sort_keys.h"
 
@@ -351,17 +352,38 @@ void JointStore::add_loads() {
   }
 }
 
+// Whether no other overloaded joint of its moving bodies is loaded more; of equal ones the lowest index goes.
+bool JointStore::breaks_first(const Overload& load, std::span<const Overload> all) const {
+  bool first = true;
+  const auto compare = [&](std::uint32_t index) {
+    const auto at = std::ranges::lower_bound(all, index, {}, &Overload::joint);
+    if (at == all.end() || at->joint != index || index == load.joint) return;
+    if (at->share > load.share || (at->share == load.share && index < load.joint)) first = false;
+  };
+  const Basics& d = joints_[load.joint].desc;
+  for (const BodyId body : {d.a, d.b}) {
+    if (inverse_mass_of(body.index) > 0) each_of(body.index, compare);
+  }
+  return first;
+}
+
 std::vector<JointStore::Overload> JointStore::overloads() const {
-  std::vector<Overload> out;
-  if (stale_) return out;  // nothing was solved since joints came, went or changed
+  constexpr double kSteps = 100;  // loads that differ by rounding alone are equal
+  std::vector<Overload> all;
+  if (stale_) return all;  // nothing was solved since joints came, went or changed
   for (const std::uint32_t i : fragile_) {
     const Extra& extra = extras_[joints_[i].extra];
-    const Overload load{i, (1.0 / substeps_) * extra.force, extra.torque / substeps_};
+    Overload load{i, (1.0 / substeps_) * extra.force, extra.torque / substeps_};
     const JointDesc& d = extra.desc;
-    if ((d.break_force > 0 && length_of(load.force) > d.break_force) ||
-        (d.break_torque > 0 && std::fabs(load.torque) > d.break_torque)) {
-      out.push_back(load);
-    }
+    if (d.break_force > 0) load.share = length_of(load.force) / d.break_force;
+    if (d.break_torque > 0) load.share = greater(load.share, std::fabs(load.torque) / d.break_torque);
+    if (!(load.share > 1)) continue;
+    load.share = std::floor(kSteps * load.share);
+    all.push_back(load);
+  }
+  std::vector<Overload> out;
+  for (const Overload& load : all) {
+    if (breaks_first(load, all)) out.push_back(load);
   }
   return out;
 }

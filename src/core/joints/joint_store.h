@@ -89,8 +89,11 @@ class JointStore {
     std::uint32_t joint = 0;
     Vec2 force;
     double torque = 0;
+    double share = 0;  ///< its load, in steps of a hundredth of what it bears
   };
-  /// Lists the joints that the last step overloaded, by index. O(joints that may break).
+  /// Lists the joints that break after the last step, by index: those that it overloaded, but of the joints of one moving
+  /// body only the most loaded one. When that one goes, the others bear less: a rope breaks in one place. O(joints that
+  /// may break).
   std::vector<Overload> overloads() const;
   std::size_t count() const { return count_; }
   bool empty() const { return count_ == 0; }
@@ -334,6 +337,7 @@ class JointStore {
     return *world;
   }
   void add_loads();
+  bool breaks_first(const Overload& load, std::span<const Overload> all) const;
   void enter(std::uint32_t index);
   void find_sides(Joint& j) const;
   void leave_lane(Joint& j);

@@ -34,7 +34,8 @@ Film::Film(const PictureOptions& options, const Scene& scene, AtomicFile* video,
       painter_(scene, options),
       view_(scene, painter_.shapes()),
       size_(options.size.value_or(kFilmSize)),
-      canvas_(size_.width, size_.height) {
+      canvas_(size_.width, size_.height),
+      joints_(joints_of(scene)) {
   if (!options.frames_dir.empty()) require_directory(options.frames_dir);
   if (video != nullptr) {
     video_.emplace(*video, find_ffmpeg(video->label()), size_, options.fps);
@@ -46,14 +47,14 @@ void Film::after(std::uint64_t frame, World& world) {
   if (!clock_) clock_.emplace(world.desc().dt, options_.fps, options_.every);
   bool is_taken = false;
   while (const std::optional<double> share = clock_->due(frame)) {
-    if (!is_taken) take_moment(world, now_, options_.colouring);
+    if (!is_taken) take_moment(world, now_, options_.colouring, joints_);
     is_taken = true;
     if (*share < 1) place_between(before_, now_, *share, scene_.world, between_);
     draw(*share < 1 ? between_ : now_);
     if (!failure_.empty()) return;
   }
   if (!clock_->is_between(frame)) return;
-  if (!is_taken) take_moment(world, now_, options_.colouring);
+  if (!is_taken) take_moment(world, now_, options_.colouring, joints_);
   std::swap(before_, now_);
 }
 

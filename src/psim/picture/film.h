@@ -43,6 +43,7 @@ class Film {
   Canvas canvas_;
   std::optional<VideoWriter> video_;
   std::optional<Brightest> bright_;  // follows the bodies softly
+  const std::size_t joints_;         // of the scene, with those of links
   Moment now_, before_, between_;
   std::vector<std::uint8_t> rgb_;
   std::uint64_t written_ = 0;

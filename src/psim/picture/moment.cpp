@@ -1,5 +1,7 @@
 #include "picture/moment.h"
 
+#include "place/links.h"
+
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -33,7 +35,9 @@ void take_contacts(World& world, Moment& moment, Colouring colouring) {
 
 }  // namespace
 
-void take_moment(World& world, Moment& moment, Colouring colouring) {
+std::size_t joints_of(const Scene& scene) { return all_joints(scene).size(); }
+
+void take_moment(World& world, Moment& moment, Colouring colouring, std::size_t joints) {
   const PublishedState state = world.published();
   const auto copy = [](auto& into, const auto& from) { into.assign(from.begin(), from.end()); };
   copy(moment.id, state.id);
@@ -50,6 +54,8 @@ void take_moment(World& world, Moment& moment, Colouring colouring) {
     moment.asleep[row] = state.type[row] != BodyType::static_body && !world.is_awake(world.id_of(state.id[row]));
   }
   world.fluid_particles(moment.particles);
+  moment.lost.resize(joints);
+  for (std::uint32_t k = 0; k < joints; ++k) moment.lost[k] = world.is_valid_joint({k, 0}) ? 0 : 1;
   moment.force.assign(colouring == Colouring::force ? moment.size() : 0, 0.0);
   moment.group.clear();
   moment.links.clear();

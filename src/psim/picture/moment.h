@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "options/picture_options.h"
+#include "psim/scene.h"
 #include "psim/world.h"
 
 namespace psim::cli {
@@ -28,14 +29,19 @@ struct Moment {
   };
   std::vector<Link> links;
   std::vector<FluidParticleState> particles;  ///< of fluids, by id
+  std::vector<std::uint8_t> lost;             ///< 1: a joint of the scene, by its number, is gone; empty: none is
 
   std::size_t size() const { return id.size(); }
   /// The row of a body, or size(). O(log n).
   std::size_t row_of(std::uint64_t body) const;
 };
 
-/// The present state, and what the colouring needs. O(bodies and particles), for force and solver O(contacts).
-void take_moment(World& world, Moment& moment, Colouring colouring);
+/// Number of the joints of a scene, with those of its links.
+std::size_t joints_of(const Scene& scene);
+
+/// The present state, and what the colouring needs, of a world that was built from a scene of some joints with their
+/// links. O(bodies, joints and particles), for force and solver O(contacts).
+void take_moment(World& world, Moment& moment, Colouring colouring, std::size_t joints = 0);
 
 /// Bodies and particles of `after`, their places and angles at the share `alpha` of the way from `before`, straight on
 /// and by the nearest way round a periodic world. Who has no row in `before` is where it is in `after`.

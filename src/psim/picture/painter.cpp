@@ -285,7 +285,7 @@ void Painter::paint_joints(Canvas& canvas, const PictureCamera& camera, const Mo
     if (over.x == 0 && over.y == 0) return;
     canvas.line(camera.at({from.x + over.x, from.y + over.y}), camera.at(to), kJointWidth, kJoint);
   };
-  for (const SceneJoint& joint : shapes_.joints()) {
+  for (const DrawnJoint& joint : shapes_.joints()) {
     const std::optional<JointEnds> ends = SceneShapes::ends_of(joint, moment);
     if (!ends) continue;
     draw(ends->anchor[0], ends->anchor[1]);

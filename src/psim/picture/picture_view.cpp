@@ -137,7 +137,7 @@ void include_ground(const Look& look, Bounds& used) {
 void include_holds(const Look& look, Bounds& used) {
   constexpr double kFarthestWell = 1000;  // of the longer side
   const Bounds bodies = used, wells = grown(used, kFarthestWell * longer_side(used));
-  for (const SceneJoint& joint : look.shapes.joints()) {
+  for (const DrawnJoint& joint : look.shapes.joints()) {
     const auto ends = SceneShapes::ends_of(joint, look.moment);
     if (!ends || !(ends->moves[0] || ends->moves[1])) continue;
     const Bounds from = point_at(ends->anchor[0]), to = point_at(ends->anchor[1]);

@@ -25,7 +25,8 @@ double SceneShapes::reach(const Moment& moment, std::size_t row) const {
   return is_disc(shape) ? moment.radius[row] : bounding_radius(shape);
 }
 
-std::optional<JointEnds> SceneShapes::ends_of(const SceneJoint& joint, const Moment& moment) {
+std::optional<JointEnds> SceneShapes::ends_of(const DrawnJoint& joint, const Moment& moment) {
+  if (joint.number < moment.lost.size() && moment.lost[joint.number] != 0) return {};
   const std::array body = {joint.a, joint.b};
   JointEnds ends;
   ends.anchor = {joint.joint.anchor_a, joint.joint.anchor_b};

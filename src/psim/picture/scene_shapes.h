@@ -31,13 +31,13 @@ class SceneShapes {
   /// The radius of a circle around a body's place that holds it, metres.
   double reach(const Moment& moment, std::size_t row) const;
 
-  const std::vector<SceneJoint>& joints() const { return joints_; }
-  /// Nothing if a body is not there or a number is not finite.
-  static std::optional<JointEnds> ends_of(const SceneJoint& joint, const Moment& moment);
+  const std::vector<DrawnJoint>& joints() const { return joints_; }
+  /// Nothing if the joint is gone, a body is not there or a number is not finite.
+  static std::optional<JointEnds> ends_of(const DrawnJoint& joint, const Moment& moment);
 
  private:
   SceneBodies bodies_;
-  std::vector<SceneJoint> joints_;
+  std::vector<DrawnJoint> joints_;
   std::uint64_t known_;
 };
 

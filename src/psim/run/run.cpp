@@ -176,7 +176,7 @@ void write_files(OutputFiles& files, const Scene& scene, const PictureOptions& p
   }
   if (files.image) {
     Moment moment;
-    take_moment(world, moment, pictures.colouring);
+    take_moment(world, moment, pictures.colouring, joints_of(scene));
     write_image(*files.image, scene, moment, pictures, world.threads());
   }
   for (std::optional<AtomicFile>* file :

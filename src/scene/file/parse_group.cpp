@@ -16,7 +16,7 @@
 namespace psim::scene {
 namespace {
 
-constexpr std::array<std::string_view, 4> kLayouts = {"lattice", "hex", "random", "explicit"};
+constexpr std::array<std::string_view, 5> kLayouts = {"lattice", "hex", "random", "explicit", "ring"};
 constexpr std::array<std::string_view, 11> kPlacedKeys = {
     "layout", "count", "region", "shape", "shapes", "radius", "jitter", "velocity", "velocity_spread", "seed", "links"};
 constexpr std::array<std::string_view, 9> kListedKeys = {"layout", "x",  "y",  "shape",   "shapes",
@@ -75,6 +75,9 @@ void read_placed(const Node& node, const Context& context, GroupDesc& group) {
     }
   }
   group.jitter = node.number_or("jitter", group.jitter, kJitter);
+  if (group.jitter != 0 && group.layout == Layout::ring) {
+    node.fail_at_key("jitter", "is for layout \"lattice\" or \"hex\": the bodies of a ring stand where it says");
+  }
   group.velocity = node.vec2_or("velocity", group.velocity, limits::kVelocity);
   group.velocity_spread = node.number_or("velocity_spread", group.velocity_spread, limits::kSpeed);
   if (const std::optional<Node> seed = node.find("seed")) {
@@ -126,7 +129,8 @@ void read_listed(const Node& node, const Context& context, GroupDesc& group) {
 GroupDesc read_group(const Node& node, const Context& context) {
   static constexpr auto kPlaced = joined(kPlacedKeys, kSharedBodyKeys);
   static constexpr auto kListed = joined(kListedKeys, kSharedBodyKeys);
-  constexpr std::array<Layout, 4> kOf = {Layout::lattice, Layout::hex, Layout::random, Layout::explicit_list};
+  constexpr std::array<Layout, 5> kOf = {Layout::lattice, Layout::hex, Layout::random, Layout::explicit_list,
+                                         Layout::ring};
   node.expect_object();
   GroupDesc group;
   const Node layout = node.require("layout");

@@ -78,9 +78,9 @@ constexpr std::array kJointKeys = {Key{"type", kAnyType},
                                    Key{"joint_b", bits(gear)},
                                    Key{"break_force", kBreaks},
                                    Key{"break_torque", kBreaks}};
-constexpr std::array kLinkKeys = {Key{"type", kAnyType},        Key{"stiffness", bits(spring)},
-                                  Key{"damping", bits(spring)}, Key{"diagonals", kAnyType},
-                                  Key{"pin", kAnyType},         Key{"collide", kAnyType}};
+constexpr std::array kLinkKeys = {
+    Key{"type", kAnyType}, Key{"stiffness", bits(spring)}, Key{"damping", bits(spring)}, Key{"diagonals", kAnyType},
+    Key{"pin", kAnyType},  Key{"collide", kAnyType},       Key{"break_force", kAnyType}};
 
 std::vector<std::string_view> names_of(unsigned types) {
   std::vector<std::string_view> names;
@@ -198,11 +198,12 @@ void read_drive(const Node& node, JointDesc& joint) {
   joint.linear_damping = node.number_or("linear_damping", joint.linear_damping, limits::kJointDamping);
 }
 
-// Past which load it breaks; above 0 where it is given.
+// Past which load a joint breaks; above 0 where it is given.
+constexpr Range kBreakingLoad{0, limits::kMotorLimit.max, true};
+
 void read_break(const Node& node, JointDesc& joint) {
-  constexpr Range kLoad{0, limits::kMotorLimit.max, true};
-  if (const std::optional<Node> force = node.find("break_force")) joint.break_force = force->number(kLoad);
-  if (const std::optional<Node> torque = node.find("break_torque")) joint.break_torque = torque->number(kLoad);
+  if (const std::optional<Node> force = node.find("break_force")) joint.break_force = force->number(kBreakingLoad);
+  if (const std::optional<Node> torque = node.find("break_torque")) joint.break_torque = torque->number(kBreakingLoad);
 }
 
 void read_pulley(const Node& node, JointDesc& joint) {
@@ -307,7 +308,7 @@ std::optional<LinkDesc> read_links(const Node& group_node, const GroupDesc& grou
   const std::optional<Node> node = group_node.find("links");
   if (!node) return std::nullopt;
   if (group.layout == Layout::random) {
-    group_node.fail_at_key("links", "ties the neighbours of a grid: layout \"lattice\" or \"hex\"");
+    group_node.fail_at_key("links", "ties neighbours: layout \"lattice\", \"hex\" or \"ring\"");
   }
   if (group.body.type != BodyType::dynamic_body) {
     group_node.fail_at_key("links", "ties dynamic bodies: type \"dynamic\" (\"pin\" holds some)");
@@ -325,13 +326,17 @@ std::optional<LinkDesc> read_links(const Node& group_node, const GroupDesc& grou
     links.damping = spring_of_links.damping;
   }
   links.diagonals = node->boolean_or("diagonals", links.diagonals);
-  if (links.diagonals && group.layout == Layout::hex) {
-    node->fail_at_key("diagonals", "is for layout \"lattice\": all neighbours of \"hex\" are joined");
+  if (links.diagonals && group.layout != Layout::lattice) {
+    node->fail_at_key("diagonals", "is for layout \"lattice\": all neighbours of the others are joined");
   }
   if (const std::optional<Node> pin = node->find("pin")) {
     links.pin = static_cast<Pin>(pin->one_of(kPins));
+    if (links.pin != Pin::none && group.layout == Layout::ring) {
+      pin->fail("is for layout \"lattice\" or \"hex\": a ring has no rows");
+    }
   }
   links.collide = node->boolean_or("collide", links.collide);
+  if (const std::optional<Node> force = node->find("break_force")) links.break_force = force->number(kBreakingLoad);
   return links;
 }
 

@@ -30,7 +30,7 @@ constexpr std::string_view kBoundaryNames[] = {"walls", "periodic", "open"};
 constexpr std::string_view kJointNames[] = {"distance", "spring", "rope",   "revolute", "prismatic", "weld",
                                             "wheel",    "motor",  "target", "gear",     "pulley",    "filter"};
 constexpr std::string_view kPinNames[] = {"none", "top", "corners", "left", "ends"};
-constexpr std::string_view kLayoutNames[] = {"lattice", "hex", "random", "explicit"};
+constexpr std::string_view kLayoutNames[] = {"lattice", "hex", "random", "explicit", "ring"};
 
 template <class Enum>
 std::string_view name_of(Enum value, const std::string_view* names) {
@@ -181,7 +181,7 @@ std::string links_text(const LinkDesc& links) {
   }
   out.add_if("diagonals", links.diagonals);
   if (links.pin != Pin::none) out.add("pin", name_of(links.pin, kPinNames));
-  return out.add_if("collide", links.collide).one_line();
+  return out.add_if("collide", links.collide).add_unless("break_force", links.break_force, 0).one_line();
 }
 
 void add_spring(Object& out, const JointDesc& joint) {

@@ -38,6 +38,16 @@ bool is_pinned(const GroupDesc& group, const LatticePlan& plan, std::uint64_t k)
   return false;
 }
 
+// Each body with the next one, and the last with the first. Two bodies have one link.
+void append_ring(std::uint64_t count, std::uint64_t first, SceneJoint link, std::vector<SceneJoint>& joints) {
+  const std::uint64_t links = count > 2 ? count : count - 1;
+  for (std::uint64_t k = 0; k < links; ++k) {
+    link.a = first + k;
+    link.b = first + (k + 1) % count;
+    joints.push_back(link);
+  }
+}
+
 }  // namespace
 
 SceneBodies::SceneBodies(const Scene& scene) : scene_(scene) {
@@ -79,20 +89,22 @@ std::optional<double> SceneBodies::anchor_distance(const SceneJoint& joint) cons
 }
 
 bool is_pinned(const GroupDesc& group, std::uint64_t k) {
-  if (!group.links || group.links->pin == Pin::none || group.count == 0) return false;
+  if (!group.links || group.links->pin == Pin::none || group.count == 0 || group.layout == Layout::ring) return false;
   return is_pinned(group, plan_of(group), k);
 }
 
 void append_links(const GroupDesc& group, std::uint64_t first, std::vector<SceneJoint>& joints) {
   if (!group.links || group.count == 0) return;
   const LinkDesc& links = *group.links;
-  const LatticePlan plan = plan_of(group);
-  const bool hex = group.layout == Layout::hex;
   SceneJoint link;
   link.joint.type = links.type;
   link.joint.stiffness = links.stiffness;
   link.joint.damping = links.damping;
   link.joint.collide = links.collide;
+  link.joint.break_force = links.break_force;
+  if (group.layout == Layout::ring) return append_ring(group.count, first, link, joints);
+  const LatticePlan plan = plan_of(group);
+  const bool hex = group.layout == Layout::hex;
   const auto join = [&](std::uint64_t k, std::uint64_t other) {
     if (other >= group.count) return;
     if (is_pinned(group, plan, k) && is_pinned(group, plan, other)) return;
@@ -123,11 +135,13 @@ std::vector<SceneJoint> all_joints(const Scene& scene) {
   return joints;
 }
 
-std::vector<SceneJoint> drawn_joints(const Scene& scene) {
-  std::vector<SceneJoint> drawn;
-  for (const SceneJoint& joint : all_joints(scene)) {
+std::vector<DrawnJoint> drawn_joints(const Scene& scene) {
+  std::vector<DrawnJoint> drawn;
+  const std::vector<SceneJoint> all = all_joints(scene);
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const SceneJoint& joint = all[k];
     const JointDesc& d = joint.joint;
-    SceneJoint line = joint;
+    DrawnJoint line{joint, static_cast<std::uint32_t>(k)};
     if (d.type == JointType::gear || d.type == JointType::filter) continue;
     if (d.type == JointType::target) line.joint.anchor_a = d.target;
     if (d.type == JointType::pulley) {

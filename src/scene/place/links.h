@@ -45,7 +45,11 @@ void append_links(const GroupDesc& group, std::uint64_t first, std::vector<Scene
 /// The scene's joints, then those of the groups' links.
 std::vector<SceneJoint> all_joints(const Scene& scene);
 
-/// What is drawn of these: joints from an anchor to another one. Of a pulley two, of a gear none.
-std::vector<SceneJoint> drawn_joints(const Scene& scene);
+/// What is drawn of a joint: a line from an anchor to another one.
+struct DrawnJoint : SceneJoint {
+  std::uint32_t number = 0;  ///< in all_joints(), and the index of its id in a world that was built from the scene
+};
+/// What is drawn of all joints. Of a pulley two, of a gear none.
+std::vector<DrawnJoint> drawn_joints(const Scene& scene);
 
 }  // namespace psim

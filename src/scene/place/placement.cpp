@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/rotor.h"
 #include "number_text.h"
 #include "place/random.h"
 #include "place/shape_size.h"
@@ -53,6 +54,35 @@ void place_on_lattice(const GroupDesc& g, const LatticePlan& plan, PlacedGroup& 
       out.y[k] += jitter_y.plus_minus_one(k) * (jitter * std::max(plan.cell_y / 2 - r, 0.0));
     }
   }
+}
+
+// Centres on the ellipse that touches the sides of the region, counter-clockwise from its right end. The steps of the
+// angle are equal.
+void place_on_ring(const GroupDesc& g, PlacedGroup& out) {
+  const double step = 2 * std::numbers::pi / static_cast<double>(g.count);
+  const Vec2 middle{(g.region.xmin + g.region.xmax) / 2, (g.region.ymin + g.region.ymax) / 2};
+  const Vec2 half{(g.region.xmax - g.region.xmin) / 2, (g.region.ymax - g.region.ymin) / 2};
+  for (std::size_t k = 0; k < out.x.size(); ++k) {
+    const SineCosine turn = sine_cosine(static_cast<double>(k) * step);
+    out.x[k] = middle.x + half.x * turn.cosine;
+    out.y[k] = middle.y + half.y * turn.sine;
+  }
+}
+
+// Whether neighbours on a ring, whose bodies are placed, do not overlap.
+bool fits_ring(const PlacedGroup& placed, std::string& error) {
+  const std::size_t n = placed.x.size();
+  for (std::size_t k = 0; k < n && n > 1; ++k) {
+    const std::size_t next = k + 1 < n ? k + 1 : 0;
+    const double apart = length_of(Vec2{placed.x[next] - placed.x[k], placed.y[next] - placed.y[k]});
+    const double bodies = placed.radius[k] + placed.radius[next];
+    if (apart * (1 + kRounding) >= bodies) continue;
+    error = "bodies " + std::to_string(k) + " and " + std::to_string(next) + " of the ring are " + number_text(apart) +
+            " m apart, less than their radii, " + number_text(bodies) +
+            " m: make the region larger, or radius or count smaller";
+    return false;
+  }
+  return true;
 }
 
 bool fits_lattice(const GroupDesc& g, const LatticePlan& plan, std::string& error) {
@@ -215,9 +245,9 @@ std::optional<PlacedGroup> place_discs(const GroupDesc& group, std::string& erro
     if (!is_sound(group, error)) return std::nullopt;
     if (group.count == 0) return out;
     const auto n = static_cast<std::size_t>(group.count);
-    const bool random = group.layout == Layout::random;
+    const bool random = group.layout == Layout::random, ring = group.layout == Layout::ring;
     LatticePlan plan;
-    if (!random) {
+    if (!random && !ring) {
       plan = plan_lattice(group.count, group.region, group.layout == Layout::hex);
       if (!fits_lattice(group, plan, error)) return std::nullopt;
     }
@@ -228,7 +258,10 @@ std::optional<PlacedGroup> place_discs(const GroupDesc& group, std::string& erro
     for (std::size_t k = 0; k < n; ++k) out.radius[k] = pick_radius(group, random_radius, k);
     out.vx.assign(n, group.velocity.x);
     out.vy.assign(n, group.velocity.y);
-    if (!random) {
+    if (ring) {
+      place_on_ring(group, out);
+      if (!fits_ring(out, error)) return std::nullopt;
+    } else if (!random) {
       place_on_lattice(group, plan, out);
     } else if (!place_at_random(group, out, error)) {
       return std::nullopt;

@@ -1,5 +1,5 @@
 // Where the bodies of a group stand. In: a GroupDesc; out: columns x, y, radius, vx, vy.
-// Lattice and hex: O(n), about 25 ns a body. Random: dart throwing over a grid, O(n) while less than
+// Lattice, hex and ring: O(n), about 25 ns a body. Random: dart throwing over a grid, O(n) while less than
 // half of the region is covered.
 #pragma once
 

@@ -86,9 +86,9 @@ void Simulation::make(bool keep_state) {
   catalogue_ = std::move(looks);
   told_catalogue_.reset();
   std::vector<JointLook> joints;
-  for (const SceneJoint& j : drawn_joints(scene)) {
+  for (const DrawnJoint& j : drawn_joints(scene)) {
     joints.push_back({static_cast<std::uint32_t>(j.a), static_cast<std::uint32_t>(j.b), j.joint.anchor_a,
-                      j.joint.anchor_b, j.joint.type});
+                      j.joint.anchor_b, j.joint.type, j.number});
   }
   joints_ = std::make_shared<const std::vector<JointLook>>(std::move(joints));
   note_wells();
@@ -202,8 +202,9 @@ void Simulation::step() {
   reports_.push_back(world_->step());
   if (steps_left_ > 0) --steps_left_;
   changed_ = false;
-  if (!collect_.hits) return;
   const Events events = world_->events();
+  if (!events.breaks.empty()) forget_broken_joints(events.breaks);
+  if (!collect_.hits) return;
   hits_.assign(events.hits.begin(), events.hits.end());
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct JointLook {
   std::uint32_t a = 0, b = 0;  ///< ids
   Vec2 anchor_a, anchor_b;     ///< metres, body frames
   JointType type = JointType::distance;
+  std::uint32_t number = 0;  ///< the index of its id
 };
 
 /// What is collected for overlays and colours. All of it costs time of the simulation.
@@ -140,6 +142,7 @@ class Simulation {
   void carry_over(World& old, World& fresh, Catalogue& looks);
   void add(BodyDesc desc);
   void forget_joints_of(std::uint32_t id);
+  void forget_broken_joints(std::span<const JointBreak> breaks);
   void lead();
   void note_wells();
   Vec2 way(Vec2 from, Vec2 to) const;

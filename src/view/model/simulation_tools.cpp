@@ -167,6 +167,17 @@ void Simulation::forget_joints_of(std::uint32_t id) {
   joints_ = std::make_shared<const std::vector<JointLook>>(std::move(left));
 }
 
+void Simulation::forget_broken_joints(std::span<const JointBreak> breaks) {
+  std::vector<JointLook> left = *joints_;
+  const auto broke = [breaks](const JointLook& joint) {
+    const auto at =
+        std::ranges::lower_bound(breaks, joint.number, {}, [](const JointBreak& b) { return b.joint.index; });
+    return at != breaks.end() && at->joint.index == joint.number;
+  };
+  std::erase_if(left, broke);
+  joints_ = std::make_shared<const std::vector<JointLook>>(std::move(left));
+}
+
 void Simulation::spawn(Vec2 at, SpawnShape shape, double size) {
   const double jitter = 2 * size * (spread(++spawned_) - 0.5);
   const Vec2 place{at.x + jitter, at.y + size * (spread(spawned_ + 7) - 0.5)};
