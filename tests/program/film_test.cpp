@@ -46,7 +46,7 @@ TEST(FilmClock, EveryGoesByFrames) {
 }
 
 Moment one_body(double x, double angle, std::uint32_t id = 0) {
-  return {{id}, {x}, {0}, {angle}, {0}, {0}, {0}, {0.5}, {BodyType::dynamic_body}, {0}, {}, {}, {}, {}};
+  return {{id}, {x}, {0}, {angle}, {0}, {0}, {0}, {0.5}, {BodyType::dynamic_body}, {0}, {}, {}, {}, {}, {}};
 }
 
 TEST(Film, BodiesBetweenFramesTakeTheShortWay) {
