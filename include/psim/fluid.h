@@ -35,6 +35,8 @@ struct FluidDesc {
   double spacing = 0;     ///< metres, 1e-3 to 1e3: particles of a full region are so far apart
   double density = 1000;  ///< kg/m^2, > 0
   double viscosity = 0;   ///< m^2/s, >= 0: kinematic
+  /// N/m, 0 to 1e6. Where it meets nothing, a fluid draws together; at walls its surface stands at a right angle.
+  double surface_tension = 0;
 };
 
 /// A particle as the outside sees it.

@@ -65,8 +65,9 @@ inline constexpr Range kCorrection{0, 1};         ///< of a motor: the share of 
 inline constexpr Range kRatio{-1e6, 1e6};         ///< of a gear, 1e-6 at least without its sign
 inline constexpr Range kPulleyRatio{1e-6, 1e6};   ///< of a pulley
 
-inline constexpr Range kSpacing{1e-3, 1e3};  ///< m: of the particles of a fluid
-inline constexpr Range kViscosity{0, 1e6};   ///< m^2/s: of a fluid
+inline constexpr Range kSpacing{1e-3, 1e3};      ///< m: of the particles of a fluid
+inline constexpr Range kViscosity{0, 1e6};       ///< m^2/s: of a fluid
+inline constexpr Range kSurfaceTension{0, 1e6};  ///< N/m: of a fluid
 
 }  // namespace limits
 }  // namespace psim

@@ -23,7 +23,7 @@ psim_result psim_world_add_fluid(psim_world* world, const psim_fluid_desc* desc,
     if (const psim_result r = read(call, "desc", desc, given); r != PSIM_OK) return r;
     std::string error;
     const psim::FluidId id = world->changed([&](auto& w) {
-      return w.add_fluid({given.spacing, given.density, given.viscosity}, error);
+      return w.add_fluid({given.spacing, given.density, given.viscosity, given.surface_tension}, error);
     });
     if (id == psim::kNoFluid) return call.fail(PSIM_ERROR_ARGUMENT, error);
     if (fluid != nullptr) *fluid = id;

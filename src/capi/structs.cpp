@@ -128,6 +128,7 @@ void set_defaults(psim_fluid_desc& d) {
   d = zeros<psim_fluid_desc>();
   d.density = from.density;
   d.viscosity = from.viscosity;
+  d.surface_tension = from.surface_tension;
 }
 
 void set_defaults(psim_emitter_desc& d) {

@@ -118,6 +118,7 @@ std::vector<Row> rows() {
           world_row(R"("linear_damping": #)", kDamping, [](E& e, double v) { e.world.linear_damping = v; }),
           fluid_row(R"("density": #)", kDensity, [](E& e, double v) { e.fluid.density = v; }),
           fluid_row(R"("viscosity": #)", kViscosity, [](E& e, double v) { e.fluid.viscosity = v; }),
+          fluid_row(R"("surface_tension": #)", kSurfaceTension, [](E& e, double v) { e.fluid.surface_tension = v; }),
           step_row(R"("dt": #)", kTimeStep, [](E& e, double v) { e.world.dt = v; }),
           step_row(R"("restitution_threshold": #)", kSpeed, [](E& e, double v) { e.world.restitution_threshold = v; }),
           step_row(R"("skin": #)", kSkin, [](E& e, double v) { e.world.skin = v; }),

@@ -10,11 +10,12 @@ extern "C" {
 
 /// This says what a fluid is made of. A particle has the mass density * spacing^2.
 typedef struct psim_fluid_desc {
-  uint32_t struct_size;  ///< set by psim_fluid_desc_init
-  int32_t reserved;      ///< 0
-  double spacing;        ///< metres, 1e-3 to 1e3; no default
-  double density;        ///< kg/m^2; default 1000
-  double viscosity;      ///< m^2/s, kinematic; default 0
+  uint32_t struct_size;    ///< set by psim_fluid_desc_init
+  int32_t reserved;        ///< 0
+  double spacing;          ///< metres, 1e-3 to 1e3; no default
+  double density;          ///< kg/m^2; default 1000
+  double viscosity;        ///< m^2/s, kinematic; default 0
+  double surface_tension;  ///< N/m, 0 to 1e6; default 0
 } psim_fluid_desc;
 
 /// A particle.

@@ -191,12 +191,12 @@ float FluidBodies::add_motion(FluidGrid& grid, std::size_t tile) const {
 // The sums of all rows times a field, by body. Tiles are taken in their order.
 void FluidBodies::sum_rows(FluidGrid& grid, std::size_t x) {
   solver_.each_tile([&](std::size_t t) {
-    const float* field = grid.field(x, t);
+    const float *field = grid.field(x, t), *diagonal = grid.field(S::kDiagonal, t);
     for (Run& run : tiles_[t].runs) {
       run.x = run.y = run.turn = 0;
       for (std::uint32_t k = run.first; k < run.end; ++k) {
         const Row& row = tiles_[t].rows[k];
-        const auto value = static_cast<double>(field[row.node]);
+        const auto value = diagonal[row.node] > 0 ? static_cast<double>(field[row.node]) : 0.0;
         run.x += static_cast<double>(row.x) * value;
         run.y += static_cast<double>(row.y) * value;
         run.turn += static_cast<double>(row.turn) * value;

@@ -32,7 +32,10 @@ bool has_full_cell(const FluidGrid& grid, std::size_t tile, const FluidSpace& sp
 /// what a displacement must, m^2. All tiles have their sums then (fluid_transfer.h).
 /// `bodies`: there are some; they are drawn (fluid_cut.h), and all tiles have their shares.
 /// `densities`: fluids have different ones; kLightU and kLightV hold how light they are at faces (fluid_mixture.h).
-FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& space, bool bodies, bool densities);
+FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& space, bool bodies, bool densities,
+                           bool tension = false);
+/// Shows for fluid_tension.h how full cells are, in kGainU, and what is open of them, in kGainV.
+void show_shares(FluidGrid& grid, std::size_t tile, const FluidSpace& space, bool bodies);
 
 /// Takes the mean from kUneven. Where a fluid has no surface, no displacement can bring all of it together or apart.
 void balance_uneven(FluidGrid& grid, std::size_t tile, float mean);
@@ -48,19 +51,5 @@ struct WallsBeside {
   bool left, right, below, above;
 };
 WallsBeside walls_beside(const FluidSpace& space, const FluidTile& tile, std::int32_t i, std::int32_t j);
-
-/// New velocities and displacements on the faces of full cells, from the solutions kPressure and kEven. Returns the
-/// fastest of faces between two of them, m/s.
-float correct_faces(FluidGrid& grid, std::size_t tile, const FluidSpace& space);
-/// Fetches from the neighbours what extend_faces() reads, before any tile is extended.
-void pull_faces(FluidGrid& grid, std::size_t tile, bool viscous);
-/// Faces that belong to no full cell gain as much as those beside them that do, on the mean. Farther away nothing changes.
-/// `viscous`: kDragU and kDragV, too.
-void extend_faces(FluidGrid& grid, std::size_t tile, bool viscous);
-
-/// Faces within bodies move along their surface as the fluid does, and against it as the body: finds these velocities,
-/// and then sets them, when all tiles have theirs.
-void find_slip(FluidGrid& grid, std::size_t tile);
-void set_slip(FluidGrid& grid, std::size_t tile);
 
 }  // namespace psim

@@ -7,7 +7,9 @@
 #include "base/range_text.h"
 #include "base/sort_keys.h"
 #include "fluid/fluid_equations.h"
+#include "fluid/fluid_faces.h"
 #include "fluid/fluid_mixture.h"
+#include "fluid/fluid_tension.h"
 #include "fluid/fluid_transfer.h"
 #include "fluid/fluid_viscosity.h"
 #include "psim/limits.h"
@@ -30,10 +32,20 @@ constexpr float kPressureTolerance = 1e-4f, kEvenTolerance = 1e-2f, kDragToleran
 constexpr int kMostIterations = 100;
 // Water crosses at most so many cells in a part of a step, or fewer where the mean error of the density is larger than this.
 constexpr double kMostCells = 6, kFewerCells = 4, kUnevenMean = 0.015;
-constexpr int kMostParts = 8;  // of a step
+constexpr int kMostParts = 8;      // of a step
+constexpr double kMostTurn = 0.6;  // rad, of waves of surface tension in a part
+// They calm particles in proportion to it: what neighbours do not have in common would feed them.
+constexpr double kCalmingByTurn = 2;
 // A fluid moves as if it were at most so many times as dense as the first one, and at least 1 / so many: beyond, the
 // equations take a hundred iterations, and floats do not hold both.
 constexpr double kMostTimesDenser = 1000;
+
+// The speed of the fastest capillary waves that the grid shows, rad/s: those of four cells, less what smoothing takes.
+double fastest_wave(double tension, double density, const FluidSpace& space) {
+  constexpr double kQuarterTurn = 1.5707963267948966, kLeft = 0.3;
+  const double k = kQuarterTurn / std::min(space.cell_x, space.cell_y);
+  return std::sqrt(kLeft * tension / density * k * k * k);
+}
 
 }  // namespace
 
@@ -41,6 +53,7 @@ std::string check_fluid(const FluidKind& kind, const FluidKind& first, const Bou
   RangeCheck check;
   check("a fluid's spacing", kind.spacing, limits::kSpacing)("a fluid's density", kind.density, limits::kDensity);
   check("a fluid's viscosity", kind.viscosity, limits::kViscosity);
+  check("a fluid's surface tension", kind.tension, limits::kSurfaceTension);
   if (!check.error.empty()) return check.error;
   if (kind.spacing > first.spacing) {
     return "a fluid's spacing must be at most that of the first fluid, " + exact_text(first.spacing) + " m, not " +
@@ -61,6 +74,7 @@ std::uint32_t Fluids::add_kind(const FluidKind& kind) {
   kinds_.reserve(kinds_.size() + 1);
   volume_.reserve(kinds_.size() + 1);
   mass_.reserve(kinds_.size() + 1);
+  tensions_.reserve(kinds_.size() + 1);
   kinds_.push_back(kind);
   viscosity_ = std::max(viscosity_, kind.viscosity);
   densities_ = densities_ || kind.density != kinds_[0].density;
@@ -68,6 +82,12 @@ std::uint32_t Fluids::add_kind(const FluidKind& kind) {
   volume_.push_back(static_cast<float>(share));
   const double denser = std::clamp(kind.density / kinds_[0].density, 1 / kMostTimesDenser, kMostTimesDenser);
   mass_.push_back(static_cast<float>(share * denser));
+  least_density_ = kinds_.size() == 1 ? kind.density : std::min(least_density_, kind.density);
+  tension_ = std::max(tension_, kind.tension);
+  tensions_.assign(kinds_.size(), 0);
+  for (std::size_t k = 0; k < kinds_.size() && tension_ > 0; ++k) {
+    tensions_[k] = volume_[k] * static_cast<float>(kinds_[k].tension / tension_);
+  }
   return static_cast<std::uint32_t>(kinds_.size() - 1);
 }
 
@@ -90,19 +110,24 @@ void Fluids::step(double dt, Vec2 gravity, const SolidFinder* finder) {
   bodies_.finish();
 }
 
-// A step is taken in parts if water moves far in it: where it is stopped, cells would get too full in one.
+// A step is taken in parts if water moves far in it: where it is stopped, cells would get too full in one. The fastest
+// waves of surface tension turn by less than kMostTurn in a part.
 int Fluids::parts_of(double dt, Vec2 gravity) const {
   const double most = error_mean_ > kUnevenMean ? kFewerCells : kMostCells;
   const double speed = double{fastest_} + dt * std::max(std::fabs(gravity.x), std::fabs(gravity.y));
   const double cells = speed * dt / std::min(space_.cell_x, space_.cell_y);
-  return cells < most * kMostParts ? std::max(1, static_cast<int>(std::ceil(cells / most))) : kMostParts;
+  const double turn = tension_ > 0 ? dt * fastest_wave(tension_, least_density_, space_) : 0;
+  const double parts = std::max(cells / most, turn / kMostTurn);
+  return parts < kMostParts ? std::max(1, static_cast<int>(std::ceil(parts))) : kMostParts;
 }
 
 void Fluids::step_part(Vec2 gravity, double bodies_moved) {
   FluidGrid& grid = solver_.grid();
   const auto f = [](double a) { return static_cast<float>(a); };
+  const double turn = tension_ > 0 ? dt_ * fastest_wave(tension_, least_density_, space_) : 0;
+  const float calming = std::min(1.0f, kCalming + f(kCalmingByTurn * turn));
   motion_ = {f(dt_),           f(gravity.x),         f(gravity.y),         kHistory,
-             kCalming,         kSpreading,           1 / kFullStrain,      f(space_.cell_x),
+             calming,          kSpreading,           1 / kFullStrain,      f(space_.cell_x),
              f(space_.cell_y), f(1 / space_.cell_x), f(1 / space_.cell_y), volume_.data(),
              mass_.data()};
   keep_pressure();
@@ -220,16 +245,44 @@ void Fluids::drag() {
   grid.activate(with_equations_);
 }
 
+// Pressure at the surface, in kShiftV. Returns whether there is some.
+bool Fluids::draw_together() {
+  if (!(tension_ > 0)) return false;
+  FluidGrid& grid = solver_.grid();
+  const double density = kinds_[0].density;
+  // Particles keep a share of what pressure gave; the history would give the same again.
+  const double jump = (1 - double{kHistory}) * dt_ * steady_tension() / density;
+  const SurfaceTension by = {static_cast<float>(jump), kinds_.size() > 1, static_cast<float>(space_.cell_x),
+                             static_cast<float>(space_.cell_y)};
+  if (by.by_fluid) {
+    solver_.each_tile([&](std::size_t t) { scatter_amount(grid, t, particles_, tensions_, Nodes::middle, S::kWay); });
+    solver_.each_tile([&](std::size_t t) { add_spills(grid, t, S::kWay); });
+  }
+  solver_.each_of(near_, [&](std::size_t t) { show_shares(grid, t, space_, bodies_.any()); });
+  solver_.each_of(near_, [&](std::size_t t) { smooth_share(grid, t, S::kGainU, S::kShiftU); });
+  solver_.each_of(near_, [&](std::size_t t) { smooth_share(grid, t, S::kShiftU, S::kShiftV); });
+  solver_.each_of(near_, [&](std::size_t t) { find_curvature(grid, t, by); });
+  solver_.each_of(near_, [&](std::size_t t) { find_surface_pressure(grid, t, by); });
+  return true;
+}
+
+// The largest surface tension, or less where even parts of a step are too long for the waves that it makes.
+double Fluids::steady_tension() const {
+  const double turn = dt_ * fastest_wave(tension_, least_density_, space_);
+  return turn <= kMostTurn ? tension_ : tension_ * (kMostTurn / turn) * (kMostTurn / turn);
+}
+
 void Fluids::solve() {
   FluidGrid& grid = solver_.grid();
+  const bool tension = draw_together();
   surveys_.assign(grid.size(), FluidSurvey());
   solver_.each_of(near_, [&](std::size_t t) {
-    surveys_[t] = make_equations(grid, t, space_, bodies_.any(), densities_);
-    // A cell without an equation is a place without pressure.
-    const float* diagonal = grid.field(S::kDiagonal, t);
+    surveys_[t] = make_equations(grid, t, space_, bodies_.any(), densities_, tension);
+    // In a cell without an equation pressure is that of the surface, or none.
+    const float *diagonal = grid.field(S::kDiagonal, t), *known = grid.field(S::kShiftV, t);
     float* pressure = grid.field(S::kPressure, t);
     for (std::size_t n = 0; n < kTileFloats; ++n) {
-      if (diagonal[n] <= 0) pressure[n] = 0;
+      if (diagonal[n] <= 0) pressure[n] = tension ? known[n] : 0;
     }
     std::fill_n(grid.field(S::kEven, t), kTileFloats, 0.0f);
     if (bodies_.any()) surveys_[t].largest = bodies_.add_motion(grid, t);
@@ -360,7 +413,8 @@ void Fluids::clear() {
   kinds_.clear();
   volume_.clear();
   mass_.clear();
-  viscosity_ = 0;
+  tensions_.clear();
+  viscosity_ = tension_ = least_density_ = 0;
   densities_ = false;
   particles_.clear();
   taps_ = {};

@@ -27,6 +27,7 @@ struct FluidKind {
   double spacing = 0;    ///< m
   double density = 0;    ///< kg/m^2
   double viscosity = 0;  ///< m^2/s
+  double tension = 0;    ///< N/m, of its surface
 };
 
 /// One line of what is wrong with a fluid of a world whose first fluid is `first`, or empty.
@@ -106,6 +107,8 @@ class Fluids {
   void find_wet();
   void meet_bodies();
   void drag();
+  bool draw_together();
+  double steady_tension() const;
   void solve();
   void move_with_grid();
 
@@ -114,6 +117,9 @@ class Fluids {
   FluidSpace space_;
   std::vector<FluidKind> kinds_;
   std::vector<float> volume_, mass_;  // of a particle, by fluid
+  std::vector<float> tensions_;  // of a particle, by fluid: its volume times its share of the largest surface tension
+  double tension_ = 0;           // N/m: the largest
+  double least_density_ = 0;     // kg/m^2, of fluids
   FluidParticles particles_;
   FluidSolver solver_;
   FluidBodies bodies_;

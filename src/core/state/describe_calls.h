@@ -28,7 +28,7 @@ inline auto fields(BodyDesc& d) {
                   d.gravity_scale, d.fixed_rotation, d.bullet, d.sensor, d.filter, d.linear_damping, d.angular_damping,
                   d.locks, d.one_way, d.enabled, d.user_data, d.pre_solve, d.can_sleep);
 }
-inline auto fields(FluidDesc& d) { return std::tie(d.spacing, d.density, d.viscosity); }
+inline auto fields(FluidDesc& d) { return std::tie(d.spacing, d.density, d.viscosity, d.surface_tension); }
 inline auto fields(EmitterDesc& d) { return std::tie(d.fluid, d.from, d.to, d.speed, d.start, d.end, d.limit); }
 inline auto fields(Explosion& e) { return std::tie(e.position, e.radius, e.falloff, e.impulse_per_length, e.mask); }
 inline auto fields(BodyTraits& t) {

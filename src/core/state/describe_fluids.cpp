@@ -11,7 +11,7 @@
 
 namespace psim {
 
-static auto fields(FluidKind& k) { return std::tie(k.spacing, k.density, k.viscosity); }
+static auto fields(FluidKind& k) { return std::tie(k.spacing, k.density, k.viscosity, k.tension); }
 
 // Whether a tile of the grid may have this key: its cells are in the world and can be counted in 32 bits.
 static bool is_tile(std::uint64_t key, const FluidSpace& space) {

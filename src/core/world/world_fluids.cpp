@@ -41,7 +41,7 @@ std::string check_particles(const Owners& w, FluidId fluid, std::span<const Vec2
 FluidId World::add_fluid(const FluidDesc& d, std::string& error) try {
   const FloatSettings settings;
   Owners& w = impl_->settled();
-  const FluidKind kind{d.spacing, d.density, d.viscosity};
+  const FluidKind kind{d.spacing, d.density, d.viscosity, d.surface_tension};
   const bool first = w.fluids.kinds().empty();
   error = check_fluid(kind, first ? kind : w.fluids.kinds()[0], w.desc.bounds, w.desc.boundary);
   if (!error.empty()) return kNoFluid;

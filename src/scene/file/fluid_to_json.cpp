@@ -30,7 +30,8 @@ std::string fluid_text(const SceneFluid& fluid, bool fed) {
   Object out;
   std::visit(AddPlace{out, fed}, fluid.place);
   out.add("spacing", fluid.fluid.spacing).add("density", fluid.fluid.density);
-  out.add_unless("viscosity", fluid.fluid.viscosity, 0).add_unless("velocity", fluid.velocity, {});
+  out.add_unless("viscosity", fluid.fluid.viscosity, 0);
+  out.add_unless("surface_tension", fluid.fluid.surface_tension, 0).add_unless("velocity", fluid.velocity, {});
   return out.one_line();
 }
 

@@ -16,7 +16,8 @@ namespace psim::scene {
 namespace {
 
 constexpr std::array<std::string_view, 4> kFluidPlaces = {"region", "disc", "polygon", "layout"};
-constexpr std::array<std::string_view, 4> kFluidKeys = {"spacing", "density", "viscosity", "velocity"};
+constexpr std::array<std::string_view, 5> kFluidKeys = {"spacing", "density", "viscosity", "surface_tension",
+                                                        "velocity"};
 constexpr std::array<std::string_view, 5> kFluidListKeys = {"layout", "x", "y", "vx", "vy"};
 constexpr std::array<std::string_view, 2> kFluidDiscKeys = {"position", "radius"};
 constexpr std::array<std::string_view, 1> kFluidPolygonKeys = {"vertices"}, kFluidLayouts = {"explicit"};
@@ -143,6 +144,7 @@ SceneFluid read_fluid(const Node& node, const Context& context, bool fed) {
   fluid.fluid.spacing = node.require("spacing").number(limits::kSpacing);
   fluid.fluid.density = node.number_or("density", fluid.fluid.density, limits::kDensity);
   fluid.fluid.viscosity = node.number_or("viscosity", fluid.fluid.viscosity, limits::kViscosity);
+  fluid.fluid.surface_tension = node.number_or("surface_tension", fluid.fluid.surface_tension, limits::kSurfaceTension);
   fluid.velocity = node.vec2_or("velocity", fluid.velocity, limits::kVelocity);
   read_place(node, key, context, fluid);
   return fluid;
