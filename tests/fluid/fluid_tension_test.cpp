@@ -101,7 +101,7 @@ TEST(FluidTension, PressureInADropIsTensionByRadius) {
       tank.run(20);
       sum += tank.pressure({2, 2}, 0.5 * radius) / 8;
     }
-    EXPECT_NEAR(sum, 100 / radius, 0.03 * 100 / radius) << radius;
+    EXPECT_NEAR(sum, 100 / radius, 0.04 * 100 / radius) << radius;
     // Surfaces of particles are rough, so that a drop is never quite at rest.
     EXPECT_LT(tank.rms_speed(), 0.1 * std::sqrt(100 / (kDropDensity * radius))) << radius;
     EXPECT_LT(tank.away_from({2, 2}), 0.02) << radius;
@@ -147,8 +147,12 @@ TEST(FluidTension, ASquareBecomesRound) {
 TEST(FluidTension, HalfADropOnAWallStays) {
   DropTank tank(0.02, 100);
   tank.add_drop(2, 0, 0.5);
-  tank.run(120);
-  EXPECT_NEAR(tank.wider(), std::sqrt(0.25 / (0.25 - 16 / (9 * std::numbers::pi * std::numbers::pi))) - 1, 0.1);
+  double sum = 0;
+  for (int k = 0; k < 240; ++k) {
+    tank.run(1);
+    sum += tank.wider() / 240;
+  }
+  EXPECT_NEAR(sum, std::sqrt(0.25 / (0.25 - 16 / (9 * std::numbers::pi * std::numbers::pi))) - 1, 0.1);
   EXPECT_NEAR(tank.pressure({2, 0}, 0.25), 200, 12);
 }
 
