@@ -351,15 +351,14 @@ std::optional<LinkDesc> read_links(const Node& group_node, const GroupDesc& grou
   }
   links.collide = node->boolean_or("collide", links.collide);
   if (const std::optional<Node> force = node->find("break_force")) links.break_force = force->number(kBreakingLoad);
-  for (const std::string_view key : {"pressure", "area"}) {
-    if (node->find(key) && group.layout != Layout::ring) {
-      node->fail_at_key(key, "is for layout \"ring\": nothing else has an inside");
-    }
-  }
   links.pressure = node->number_or("pressure", links.pressure, limits::kPressure);
   links.drag = node->number_or("drag", links.drag, limits::kWindFactor);
   links.lift = node->number_or("lift", links.lift, limits::kWindFactor);
   links.area = node->boolean_or("area", links.area);
+  const std::string_view encloses = links.area ? "area" : links.pressure != 0 ? "pressure" : "";
+  if (!encloses.empty() && group.layout != Layout::ring) {
+    node->fail_at_key(encloses, "is for layout \"ring\": nothing else has an inside");
+  }
   return links;
 }
 
