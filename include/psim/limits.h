@@ -47,6 +47,8 @@ inline constexpr Range kWellStrength{-1e21, 1e21};  ///< m^3/s^2 for exponent 2
 inline constexpr Range kWellExponent{0, 16};        ///< the power of the distance
 inline constexpr Range kWellLength{0, 1e9};         ///< m: softening and range
 inline constexpr Range kWindFactor{0, 1000};        ///< drag and lift of wind
+inline constexpr Range kPressure{-1e12, 1e12};      ///< N/m, of a joint
+inline constexpr Range kArea{-1e18, 1e18};          ///< m^2, of a joint
 inline constexpr Range kThreads{1, 256};            ///< of a world
 
 inline constexpr Range kLength{0, 1e9};           ///< m: of a spring

@@ -32,6 +32,9 @@ struct LinkDesc {
   Pin pin = Pin::none;                   ///< pinned bodies are static
   bool collide = false;                  ///< whether neighbours still collide
   double break_force = 0;                ///< N: a link that bears more in a step goes; 0: it holds whatever comes
+  double pressure = 0;                   ///< ring: N/m: pushes each link outwards
+  double drag = 0, lift = 0;             ///< 0 to 1000: the links catch wind, as JointDesc::wind_drag says
+  bool area = false;                     ///< ring: keeps the area inside, as JointDesc::area says
 };
 
 /// Many alike bodies placed by rule. See docs/scenes.md for the layouts.

@@ -175,6 +175,10 @@ std::string convert(const psim_joint_desc& desc, JointDesc& out) {
   out.break_force = desc.break_force;
   out.break_torque = desc.break_torque;
   out.user_data = desc.user_data;
+  out.pressure = desc.pressure;
+  out.wind_drag = desc.wind_drag;
+  out.wind_lift = desc.wind_lift;
+  out.area = desc.area;
   return {};
 }
 
@@ -221,6 +225,10 @@ psim_joint_desc to_c(const JointDesc& d) {
   out.break_force = d.break_force;
   out.break_torque = d.break_torque;
   out.user_data = d.user_data;
+  out.pressure = d.pressure;
+  out.wind_drag = d.wind_drag;
+  out.wind_lift = d.wind_lift;
+  out.area = d.area;
   return out;
 }
 

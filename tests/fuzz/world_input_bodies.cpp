@@ -265,6 +265,8 @@ JointDesc Session::joint_of(JointType type) {
   if (in_.chance(30)) d.break_force = in_.number(0, 500);
   if (in_.chance(20)) d.break_torque = in_.number(0, 500);
   if (in_.chance(20)) d.user_data = in_.byte();
+  if (in_.chance(20)) d.pressure = in_.number(-500, 500), d.area = in_.number(-2, 2);
+  if (in_.chance(20)) d.wind_drag = in_.number(0, 5), d.wind_lift = in_.number(0, 5);
   if (type == JointType::motor) {
     d.linear_velocity = in_.vec2(-5, 5);
     d.angular_velocity = in_.number(-10, 10);
@@ -344,6 +346,7 @@ void Session::change_joint(JointId id, bool whole) {
   });
   const JointDesc now = *worlds_.front()->joint_desc(id);
   require(now.break_force == (did ? d.break_force : before->break_force), "set_joint does so, or nothing");
+  require(now.pressure == (did ? d.pressure : before->pressure), "set_joint does so, or nothing");
 }
 
 }  // namespace psim::fuzz

@@ -18,6 +18,7 @@ LinkDesc links(ByteSource& in) {
   l.pin = one_of(in, {Pin::none, Pin::top, Pin::corners, Pin::left, Pin::ends});
   l.collide = in.chance(60);
   if (in.chance(60)) l.break_force = in.uniform(0.1, 500);
+  if (in.chance(60)) l.drag = in.uniform(0, 5), l.lift = in.uniform(0, 5);
   return l;
 }
 

@@ -303,6 +303,26 @@ std::vector<Row> rows() {
                       e.joint.type = JointType::motor;
                       e.joint.offset = {v, 0};
                     }),
+          joint_row(R"("type": "rope", "pressure": #)", kPressure,
+                    [](E& e, double v) {
+                      e.joint.type = JointType::rope;
+                      e.joint.pressure = v;
+                    }),
+          joint_row(R"("type": "rope", "drag": #)", kWindFactor,
+                    [](E& e, double v) {
+                      e.joint.type = JointType::rope;
+                      e.joint.wind_drag = v;
+                    }),
+          joint_row(R"("type": "rope", "lift": #)", kWindFactor,
+                    [](E& e, double v) {
+                      e.joint.type = JointType::rope;
+                      e.joint.wind_lift = v;
+                    }),
+          joint_row(R"("type": "rope", "area": #)", kArea,
+                    [](E& e, double v) {
+                      e.joint.type = JointType::rope;
+                      e.joint.area = v;
+                    }),
           joint_row(R"("type": "weld", "linear_stiffness": #)", kStiffness,
                     [](E& e, double v) {
                       e.joint.type = JointType::weld;

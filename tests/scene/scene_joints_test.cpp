@@ -245,6 +245,27 @@ TEST(SceneLinks, AreRead) {
   EXPECT_EQ(parsed_scene(linked_text("hex", 4, "[0, 0, 9, 9]", "{}")).groups[0].links->type, JointType::distance);
 }
 
+// Each link of a ring has its share of the area, also if the ring is an ellipse.
+TEST(SceneLinks, OfARingMayBeMembranes) {
+  const Scene scene =
+      parsed_scene(linked_text("ring", 6, "[0, 0, 9, 5]", R"({"pressure": 3, "drag": 0.5, "lift": 2, "area": true})"));
+  double area = 0;
+  for (const SceneJoint& joint : all_joints(scene)) {
+    EXPECT_EQ(joint.joint.pressure, 3);
+    EXPECT_EQ(joint.joint.wind_drag, 0.5);
+    EXPECT_EQ(joint.joint.wind_lift, 2);
+    area += joint.joint.area;
+  }
+  EXPECT_NEAR(area, 1.5 * std::sqrt(3.0) * 4.5 * 2.5, 1e-12);
+  const Scene again = parsed_scene(scene_to_json(scene));
+  EXPECT_EQ(scene_to_json(again), scene_to_json(scene));
+  const LinkDesc& links = *again.groups.at(0).links;
+  EXPECT_EQ(links.pressure, 3);
+  EXPECT_EQ(links.drag, 0.5);
+  EXPECT_EQ(links.lift, 2);
+  EXPECT_TRUE(links.area);
+}
+
 TEST(SceneLinks, JoinNeighboursOfALattice) {
   // 3 columns, 2 rows:  3 4 5
   //                     0 1 2
@@ -324,6 +345,12 @@ TEST(SceneLinks, BadOnesAreRefused) {
   refused("ring", R"({"diagonals": true})", "groups[0].links.diagonals", "layout \"lattice\"");
   refused("ring", R"({"pin": "top"})", "groups[0].links.pin", "layout \"lattice\" or \"hex\"");
   refused("lattice", R"({"break_force": 0})", "groups[0].links.break_force", "above 0");
+  refused("lattice", R"({"pressure": 1})", "groups[0].links.pressure", "layout \"ring\"");
+  refused("hex", R"({"area": true})", "groups[0].links.area", "layout \"ring\"");
+  refused("ring", R"({"pressure": 1e13})", "groups[0].links.pressure", "1e12");
+  refused("ring", R"({"area": 1})", "groups[0].links.area", "true or false");
+  refused("ring", R"({"drag": -1})", "groups[0].links.drag", "0 to 1000");
+  refused("ring", R"({"lift": 1001})", "groups[0].links.lift", "0 to 1000");
   refused("random", "{}", "groups[0].links", "layout \"lattice\", \"hex\" or \"ring\"");
   expect_refused(scene_text(R"("groups": [{"layout": "lattice", "count": 1, "region": [0, 0, 9, 9],
     "radius": 1, "type": "static", "links": {}}])"),

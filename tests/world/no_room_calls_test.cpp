@@ -139,7 +139,7 @@ const std::vector<Named>& calls() {
       {"change a joint",
        [](World& w) {
          JointDesc d = w.joint_desc({0, 0}).value_or(JointDesc{});
-         d.lower = 0.1, d.stiffness = 20, d.user_data = 3;
+         d.lower = 0.1, d.stiffness = 20, d.user_data = 3, d.pressure = 5, d.area = 1;
          return w.set_joint({0, 0}, d, error);
        }},
       {"part",

@@ -107,8 +107,7 @@ typedef struct psim_body_traits {
   int32_t reserved_2;      ///< 0
 } psim_body_traits;
 
-/// Many discs that share everything but place, size and speed. Columns of `count` numbers; one whose
-/// data is NULL stands for zeros.
+/// Many discs that share everything but place, size and speed. Columns of `count` numbers; NULL stands for zeros.
 typedef struct psim_disc_batch {
   uint32_t struct_size;          ///< set by psim_disc_batch_init
   int32_t type;                  ///< psim_body_type; default dynamic
@@ -175,6 +174,10 @@ typedef struct psim_joint_desc {
   double linear_damping;      ///< weld: N s/m, of that spring
   double correction;          ///< motor: 0 to 1, of the way to offset and reference: the share of each step
   psim_vec2 offset;           ///< motor: metres, in the frame of a: from its anchor to that of b
+  double pressure;            ///< distance, spring, rope: N/m of the way between the anchors, to the right of a to b
+  double wind_drag;           ///< distance, spring, rope: 0 to 1000: the joint catches wind, with this as drag
+  double wind_lift;           ///< and with this as lift
+  double area;                ///< m^2: a ring of joints with areas, all from a to b, keeps their sum inside; 0: none
 } psim_joint_desc;
 
 /// Which bodies a question is about. Default: all but sensors.
@@ -403,8 +406,7 @@ static inline psim_shape psim_segment(psim_vec2 p1, psim_vec2 p2) {
   return shape;
 }
 
-/// A convex polygon of 3 to 8 vertices, counter-clockwise, metres. The vertices are not copied: they
-/// must stay until the body is added.
+/// A convex polygon of 3 to 8 vertices, counter-clockwise, metres. The vertices must stay until the body is added.
 static inline psim_shape psim_polygon(const psim_vec2* vertices, size_t count) {
   psim_shape shape = psim_shape_of_type(PSIM_SHAPE_POLYGON);
   shape.vertices = vertices;
@@ -412,8 +414,7 @@ static inline psim_shape psim_polygon(const psim_vec2* vertices, size_t count) {
   return shape;
 }
 
-/// Segments joined end to end, metres; static or kinematic. The vertices are not copied: they must
-/// stay until the body is added.
+/// Segments joined end to end, metres; static or kinematic. The vertices must stay until the body is added.
 static inline psim_shape psim_chain(const psim_vec2* vertices, size_t count, int32_t loop) {
   psim_shape shape = psim_shape_of_type(PSIM_SHAPE_CHAIN);
   shape.vertices = vertices;

@@ -106,6 +106,7 @@ void JointStore::lay_out() {
   save_impulses();
   const std::vector<std::uint32_t>& ids = bodies();
   fragile_.clear();
+  membranes_.clear();
   for (std::uint32_t i = 0; i < joints_.size(); ++i) {
     Joint& j = joints_[i];
     j.lane = j.articulated = kNoSlot;
@@ -113,7 +114,10 @@ void JointStore::lay_out() {
     j.body[0] = member_of(j.swapped ? j.desc.b.index : j.desc.a.index);
     j.body[1] = member_of(j.swapped ? j.desc.a.index : j.desc.b.index);
     if (j.extra != kNoSlot && extras_[j.extra].breaks()) fragile_.push_back(i);
+    if (j.extra != kNoSlot && extras_[j.extra].is_membrane())
+      membranes_.add(i, j.body, j.swapped ? 1 : 0, extras_[j.extra].desc.area != 0);
   }
+  membranes_.lay_out(ids.size());
   find_articulations();
   find_tethers();
   count_springs(ids.size());

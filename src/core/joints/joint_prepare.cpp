@@ -282,6 +282,36 @@ void JointStore::set_articulations(bool calm) {
   articulations_.prepare(h_, calm);
 }
 
+// Ends of the membranes. A membrane does half of its push to each of its ends.
+void JointStore::set_membranes(const std::vector<Field>& fields) {
+  for (Membrane& m : membranes_.all()) {
+    const Joint& joint = joints_[m.joint];
+    const JointDesc& d = extras_[joint.extra].desc;
+    m.pressure = joint.swapped ? -d.pressure : d.pressure;
+    m.drag = d.wind_drag;
+    m.lift = d.wind_lift;
+    m.area = d.area;
+    std::optional<JointMember> world;
+    LatticePoint at[2];
+    for (const std::uint32_t side : {0u, 1u}) {
+      const JointMember& of = side_at(joint.body[side], joint.anchor(side), world);
+      MembraneEnd& end = m.end[side];
+      const Vec2 arm = turned(of.turn, joint.anchor(side) - of.centre);
+      const double inverse_inertia = of.rim_gain * of.inverse_radius * of.inverse_radius;
+      at[side] = of.at;
+      end.body = of.number;
+      end.at = s_.lattice.to_world(of.at);
+      end.arm = arm;
+      end.inverse_mass = of.inverse_mass;
+      end.inverse_inertia = inverse_inertia;
+      end.inverse_radius = of.inverse_radius;
+      end.rate = m.crowd[side] * (of.inverse_mass + inverse_inertia * dot(arm, arm));
+    }
+    m.base = s_.lattice.way(at[0], at[1]);
+  }
+  membranes_.set_wind(fields);
+}
+
 // A pass sweeps as often as a frame can afford. More cycles do more than more sweeps.
 int JointStore::sweeps() const {
   if (cycles_.on()) return kLeastSweeps;
@@ -291,7 +321,7 @@ int JointStore::sweeps() const {
 }
 
 void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h, int substeps,
-                         double coast, bool calm) {
+                         double coast, bool calm, const std::vector<Field>& fields) {
   in_step_ = substeps;
   if (empty()) return;
   s_.bodies.find_slots();
@@ -309,6 +339,7 @@ void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies
   find_shares(cycles_.on() ? cycles_.blocks : solved.blocks());
   if (!articulations_.empty()) set_articulations(calm);
   set_linkages();
+  if (membranes_.any()) set_membranes(fields);
   substeps_ = 0;
   for (const std::uint32_t i : fragile_) {
     Extra& extra = extras_[joints_[i].extra];

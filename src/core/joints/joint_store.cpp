@@ -95,7 +95,7 @@ JointDesc JointStore::desc(JointId id) const {
 // Gives a joint what it needs beyond the basics.
 void JointStore::make_extra(Joint& j, const JointDesc& d) {
   const bool linkage = kind_of(d) == JointKind::linkage;
-  const bool needed = linkage || d.break_force > 0 || d.break_torque > 0 || d.user_data != 0;
+  const bool needed = linkage || tells_of_membrane(d) || d.break_force > 0 || d.break_torque > 0 || d.user_data != 0;
   if (needed && j.extra == kNoSlot) {
     if (free_extras_.empty()) {
       extras_.reserve(roomier(extras_));
@@ -200,7 +200,7 @@ std::size_t JointStore::bytes() const {
   std::size_t sum =
       bytes_of(joints_, free_, first_, bodies_, members_, jobs_.ranges, jobs_.jobs, phases_, shares_.ranges,
                shares_.jobs, marks_, swept_, tethers_, tether_ranges_, extras_, free_extras_, gears_, fragile_) +
-      lists_.bytes() + articulations_.bytes() + linkages_.bytes();
+      lists_.bytes() + articulations_.bytes() + linkages_.bytes() + membranes_.bytes();
   for (std::uint32_t list = 0; list < kLists; ++list) sum += bytes_of(lanes_[list], ends_[list]);
   return sum;
 }
@@ -210,6 +210,7 @@ void JointStore::release_blocks() {
             share_rim_speed_, push_vel_, push_rim_speed_, push0_vel_, push0_rim_speed_);
   give_back(swept_, tethers_, tether_ranges_, extras_, free_extras_, gears_, fragile_, linkages_);
   articulations_.release();
+  membranes_.release();
   cycles_.release();
   stale_ = true;
 }

@@ -24,8 +24,10 @@
 #include "joint_views.h"
 #include "joints/articulations.h"
 #include "joints/joint_cycles.h"
+#include "joints/joint_jobs.h"
 #include "joints/joint_lists.h"
 #include "joints/linkages.h"
+#include "joints/membranes.h"
 #include "joints/spring_row.h"
 #include "psim/joint.h"
 
@@ -176,9 +178,14 @@ class JointStore {
   bool any_exclusions() const { return exclusions_ != 0; }
 
   /// Prepares the blocks for a frame with substeps of h seconds. `coast`: the time for which forces act in them, less
-  /// where motion is damped. `calm`: bodies may sleep.
+  /// where motion is damped. `calm`: bodies may sleep. `fields`: of the world.
   void prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h, int substeps, double coast,
-               bool calm);
+               bool calm, const std::vector<Field>& fields);
+
+  /// What pressure and wind do to joints in half of a substep.
+  void press(const kernels::BodyView& view) {
+    if (membranes_.any()) membranes_.press(view, h_ / 2, s_.pool);
+  }
 
   void warm(const kernels::BodyView& view, float factor);
   /// `drift` and `smooth_limit2` as Articulations::solve has them.
@@ -217,6 +224,7 @@ class JointStore {
     double torque = 0;
 
     bool breaks() const { return desc.break_force > 0 || desc.break_torque > 0; }
+    bool is_membrane() const { return psim::is_membrane(desc); }
   };
 
   struct Joint {
@@ -274,38 +282,6 @@ class JointStore {
     }
   };
 
-  struct ListRange {
-    std::uint32_t list = 0, begin = 0, end = 0;  ///< blocks of a list
-  };
-  /// Jobs that go over some ranges each.
-  struct Jobs {
-    std::vector<ListRange> ranges;
-    std::vector<BlockRange> jobs;  ///< in `ranges`
-
-    std::uint32_t count() const { return static_cast<std::uint32_t>(jobs.size()); }
-    void clear() {
-      ranges.clear();
-      jobs.clear();
-    }
-    void add(std::span<const ListRange> job) {
-      const auto begin = static_cast<std::uint32_t>(ranges.size());
-      ranges.insert(ranges.end(), job.begin(), job.end());
-      jobs.push_back({begin, static_cast<std::uint32_t>(ranges.size())});
-    }
-    /// Runs each(range) over the ranges of some jobs, which run side by side; or of all.
-    template <class Each>
-    void run(BlockRange some, WorkerPool& pool, const Each& each) const {
-      pool.run(some.end - some.begin, [&](std::size_t n) {
-        const BlockRange& job = jobs[some.begin + n];
-        for (std::uint32_t r = job.begin; r < job.end; ++r) each(ranges[r]);
-      });
-    }
-    template <class Each>
-    void run(WorkerPool& pool, const Each& each) const {
-      run({0, count()}, pool, each);
-    }
-  };
-
   std::uint32_t first_of(std::uint32_t body) const { return body < first_.size() ? first_[body] : kNoSlot; }
   void link(std::uint32_t index, std::uint32_t body);
   void unlink(std::uint32_t index, std::uint32_t body);
@@ -324,6 +300,7 @@ class JointStore {
   }
   float inverse_mass_of(std::uint32_t id) const { return is_world(id) ? 0 : s_.bodies.inv_mass_in_joints(id); }
   void find_ends(Linkage& l, const Joint& j) const;
+  void set_membranes(const std::vector<Field>& fields);
   void lay_out_linkages();
   void set_linkages();
   void set_linkage(Linkage& l, const Joint& j) const;
@@ -408,6 +385,7 @@ class JointStore {
   std::vector<Extra> extras_;
   std::vector<std::uint32_t> free_extras_;
   Linkages linkages_;
+  Membranes membranes_;
   std::vector<std::uint32_t> gears_;    // joints
   std::vector<std::uint32_t> fragile_;  // joints that may break and are not dormant, by index
   std::vector<std::uint32_t> first_;    // by body id: the first of its joints
@@ -425,10 +403,10 @@ class JointStore {
   JointLists lists_;
   std::array<std::vector<std::uint32_t>, kLists> lanes_;  // by lane: the joint, kTether for a tether, or kNoSlot
   std::array<std::vector<Ends>, kLists> ends_;            // by lane
-  Jobs jobs_;
+  JointJobs jobs_;
   std::vector<BlockRange> phases_;  // in jobs_
   std::size_t joint_phases_ = 0;    // those behind are of tethers
-  Jobs shares_;                     // blocks of bodies that have joints; all are of list 0
+  JointJobs shares_;                // blocks of bodies that have joints; all are of list 0
   std::vector<std::uint8_t> marks_;
 
   double h_ = 0;                   // s: the substep of the last prepare

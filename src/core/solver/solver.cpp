@@ -170,6 +170,7 @@ void Solver::Run::substep(bool first_of_step) {
   if (pushes.any()) spin(first);
   if (!restraints.empty()) restrain(first);
   if (!kinematics.empty()) hold();
+  if (joined_) joints.press(view_);
   if (first) warm(first_of_step);
   contacts.discs.follow_edges(view_, h_);
   if (contacts.manifolds.any()) contacts.manifolds.follow_turning(view_, h_ / 2);
@@ -181,6 +182,7 @@ void Solver::Run::substep(bool first_of_step) {
   drift();
   if (!kinematics.empty()) carry_kinematics();
   if (joined_) joints.let_go(view_);
+  if (joined_) joints.press(view_);
   if (stacks.any()) stacks.solve(view_, discs_.pair, gravity_, false);
   if (contacts.squeezed.any()) contacts.squeezed.solve(view_, squeezed_, false);
   if (contacts.manifolds.any()) contacts.manifolds.follow_turning(view_, 0);

@@ -52,7 +52,8 @@ inline auto fields(JointDesc& d) {
                   d.lower, d.upper, d.motor_speed, d.motor_limit, d.collide, d.target, d.rest, d.linear_velocity,
                   d.angular_velocity, d.force_limit, d.torque_limit, d.ground_a, d.ground_b, d.ratio, d.joint_a,
                   d.joint_b, d.frequency, d.damping_ratio, d.break_force, d.break_torque, d.user_data,
-                  d.linear_stiffness, d.linear_damping, d.correction, d.offset);
+                  d.linear_stiffness, d.linear_damping, d.correction, d.offset, d.pressure, d.wind_drag, d.wind_lift,
+                  d.area);
 }
 
 inline auto fields(BodyKind& k) {

@@ -154,7 +154,8 @@ void solve(StepContext& c, const ForcesOfStep& pushes, double dt, StepReport& re
   }
   Contacts& contacts = c.contacts;
   if (c.plan.joints)
-    c.joints.prepare(c.population.fixed, contacts.solved, h, p.substeps, coast_time(p.damping, h), c.plan.sleep);
+    c.joints.prepare(c.population.fixed, contacts.solved, h, p.substeps, coast_time(p.damping, h), c.plan.sleep,
+                     c.desc.fields);
   const SolverInput input{
       contacts, c.neighbours.table, c.joints, c.dynamics.forces.get(), c.population.kinematics, c.population.restraints,
       pushes};

@@ -161,6 +161,8 @@ std::string check_numbers(const JointDesc& d) {
   check("ratio", d.ratio, d.type == JointType::pulley ? limits::kPulleyRatio : limits::kRatio);
   check("frequency", d.frequency, limits::kFrequency)("damping ratio", d.damping_ratio, limits::kDampingRatio);
   check("break force", d.break_force, limits::kMotorLimit)("break torque", d.break_torque, limits::kMotorLimit);
+  check("pressure", d.pressure, limits::kPressure)("area", d.area, limits::kArea);
+  check("wind drag", d.wind_drag, limits::kWindFactor)("wind lift", d.wind_lift, limits::kWindFactor);
   if (has_axis(d.type)) check("the length of the axis", length_of(d.axis), limits::kAxis);
   if (check.error.empty() && d.lower && d.upper && *d.lower > *d.upper) return "lower must not be above upper";
   if (check.error.empty() && d.type == JointType::gear && std::fabs(d.ratio) < limits::kPulleyRatio.min)

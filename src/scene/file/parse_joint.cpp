@@ -34,6 +34,7 @@ constexpr unsigned kNotGear = kAnyType & ~bits(gear);
 constexpr unsigned kA = kAnyType & ~bits(gear, target);
 constexpr unsigned kAnchorB = kAnyType & ~bits(gear, filter), kAnchorA = kAnchorB & ~bits(target);
 constexpr unsigned kLengths = bits(distance, spring, rope, pulley);
+constexpr unsigned kLines = bits(distance, spring, rope);
 constexpr unsigned kSoft = bits(distance, spring, weld, revolute, prismatic, wheel, target);
 constexpr unsigned kMotors = bits(distance, revolute, prismatic, wheel);
 constexpr unsigned kRests = bits(revolute, prismatic);
@@ -77,10 +78,15 @@ constexpr std::array kJointKeys = {Key{"type", kAnyType},
                                    Key{"joint_a", bits(gear)},
                                    Key{"joint_b", bits(gear)},
                                    Key{"break_force", kBreaks},
-                                   Key{"break_torque", kBreaks}};
+                                   Key{"break_torque", kBreaks},
+                                   Key{"pressure", kLines},
+                                   Key{"drag", kLines},
+                                   Key{"lift", kLines},
+                                   Key{"area", kLines}};
 constexpr std::array kLinkKeys = {
     Key{"type", kAnyType}, Key{"stiffness", bits(spring)}, Key{"damping", bits(spring)}, Key{"diagonals", kAnyType},
-    Key{"pin", kAnyType},  Key{"collide", kAnyType},       Key{"break_force", kAnyType}};
+    Key{"pin", kAnyType},  Key{"collide", kAnyType},       Key{"break_force", kAnyType}, Key{"pressure", kAnyType},
+    Key{"drag", kAnyType}, Key{"lift", kAnyType},          Key{"area", kAnyType}};
 
 std::vector<std::string_view> names_of(unsigned types) {
   std::vector<std::string_view> names;
@@ -206,6 +212,13 @@ void read_break(const Node& node, JointDesc& joint) {
   if (const std::optional<Node> torque = node.find("break_torque")) joint.break_torque = torque->number(kBreakingLoad);
 }
 
+void read_membrane(const Node& node, JointDesc& joint) {
+  joint.pressure = node.number_or("pressure", joint.pressure, limits::kPressure);
+  joint.wind_drag = node.number_or("drag", joint.wind_drag, limits::kWindFactor);
+  joint.wind_lift = node.number_or("lift", joint.wind_lift, limits::kWindFactor);
+  joint.area = node.number_or("area", joint.area, limits::kArea);
+}
+
 void read_pulley(const Node& node, JointDesc& joint) {
   const Node a = node.require("ground_a"), b = node.require("ground_b");
   joint.ground_a = a.vec2(limits::kCoordinate);
@@ -263,6 +276,7 @@ SceneJoint read_joint(const Node& node, const Context& context, const SceneBodie
   expect_keys(node, kJointKeys, joint.type);
   joint.collide = node.boolean_or("collide", joint.collide);
   read_break(node, joint);
+  read_membrane(node, joint);
   if (joint.type == JointType::gear) {
     read_gear(node, scene, out);
     return out;
@@ -337,6 +351,14 @@ std::optional<LinkDesc> read_links(const Node& group_node, const GroupDesc& grou
   }
   links.collide = node->boolean_or("collide", links.collide);
   if (const std::optional<Node> force = node->find("break_force")) links.break_force = force->number(kBreakingLoad);
+  links.pressure = node->number_or("pressure", links.pressure, limits::kPressure);
+  links.drag = node->number_or("drag", links.drag, limits::kWindFactor);
+  links.lift = node->number_or("lift", links.lift, limits::kWindFactor);
+  links.area = node->boolean_or("area", links.area);
+  const std::string_view encloses = links.area ? "area" : links.pressure != 0 ? "pressure" : "";
+  if (!encloses.empty() && group.layout != Layout::ring) {
+    node->fail_at_key(encloses, "is for layout \"ring\": nothing else has an inside");
+  }
   return links;
 }
 

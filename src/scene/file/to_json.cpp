@@ -181,7 +181,9 @@ std::string links_text(const LinkDesc& links) {
   }
   out.add_if("diagonals", links.diagonals);
   if (links.pin != Pin::none) out.add("pin", name_of(links.pin, kPinNames));
-  return out.add_if("collide", links.collide).add_unless("break_force", links.break_force, 0).one_line();
+  out.add_if("collide", links.collide).add_unless("break_force", links.break_force, 0);
+  out.add_unless("pressure", links.pressure, 0).add_unless("drag", links.drag, 0).add_unless("lift", links.lift, 0);
+  return out.add_if("area", links.area).one_line();
 }
 
 void add_spring(Object& out, const JointDesc& joint) {
@@ -231,6 +233,8 @@ std::string joint_text(const SceneJoint& scene_joint) {
   if (type == JointType::pulley) out.add("ground_a", joint.ground_a).add("ground_b", joint.ground_b);
   out.add_unless("ratio", joint.ratio, 1);
   out.add_unless("break_force", joint.break_force, 0).add_unless("break_torque", joint.break_torque, 0);
+  out.add_unless("pressure", joint.pressure, 0).add_unless("drag", joint.wind_drag, 0);
+  out.add_unless("lift", joint.wind_lift, 0).add_unless("area", joint.area, 0);
   return out.add_if("collide", joint.collide).one_line();
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/rotor.h"
 #include "place/placement.h"
@@ -46,6 +47,13 @@ void append_ring(std::uint64_t count, std::uint64_t first, SceneJoint link, std:
     link.b = first + (k + 1) % count;
     joints.push_back(link);
   }
+}
+
+// The area between a link of a ring and the middle: equal angles of an ellipse have equal areas.
+double area_of_link(const GroupDesc& group) {
+  const Bounds& r = group.region;
+  const double angle = 2 * std::numbers::pi / static_cast<double>(group.count);
+  return (r.xmax - r.xmin) * (r.ymax - r.ymin) / 8 * sine_cosine(angle).sine;
 }
 
 }  // namespace
@@ -102,6 +110,10 @@ void append_links(const GroupDesc& group, std::uint64_t first, std::vector<Scene
   link.joint.damping = links.damping;
   link.joint.collide = links.collide;
   link.joint.break_force = links.break_force;
+  link.joint.pressure = links.pressure;
+  link.joint.wind_drag = links.drag;
+  link.joint.wind_lift = links.lift;
+  if (group.layout == Layout::ring && links.area) link.joint.area = area_of_link(group);
   if (group.layout == Layout::ring) return append_ring(group.count, first, link, joints);
   const LatticePlan plan = plan_of(group);
   const bool hex = group.layout == Layout::hex;
