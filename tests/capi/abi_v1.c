@@ -188,7 +188,7 @@ SIZE(psim_disc_batch, 216);
   AT(psim_disc_batch, reserved, 196);
   AT(psim_disc_batch, tangent_speed, 200);
   AT(psim_disc_batch, rolling_resistance, 208);
-SIZE(psim_joint_desc, 360);
+SIZE(psim_joint_desc, 392);
   AT(psim_joint_desc, struct_size, 0);
   AT(psim_joint_desc, type, 4);
   AT(psim_joint_desc, a, 8);
