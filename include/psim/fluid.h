@@ -15,17 +15,20 @@ using FluidId = std::uint32_t;
 /// No fluid.
 inline constexpr FluidId kNoFluid = 0xFFFFFFFFu;
 
-/// The number of an emitter or a drain of a world. They count from 0 each, in the order in which they were added, and are
-/// never used again.
+/// The number of an emitter of a world. They count from 0 in the order in which they were added, and are never used again.
 using EmitterId = std::uint32_t;
+/// The number of a drain, likewise.
 using DrainId = std::uint32_t;
 
-/// No emitter, no drain.
+/// No emitter.
 inline constexpr EmitterId kNoEmitter = 0xFFFFFFFFu;
+/// No drain.
 inline constexpr DrainId kNoDrain = 0xFFFFFFFFu;
 
-/// So many emitters, and so many drains, can be in a world.
-inline constexpr std::size_t kMostEmitters = 1000, kMostDrains = 1000;
+/// So many emitters can be in a world.
+inline constexpr std::size_t kMostEmitters = 1000;
+/// So many drains can be in a world.
+inline constexpr std::size_t kMostDrains = 1000;
 
 /// So many particles can be in a world at once.
 inline constexpr std::size_t kMostParticles = 10'000'000;
@@ -64,9 +67,9 @@ struct EmitterDesc {
 
 /// What is within an area.
 struct FluidAmount {
-  std::size_t particles = 0;
-  double mass = 0;     ///< kg
-  Vec2 mean_velocity;  ///< m/s: momentum over mass; 0 where there is nothing
+  std::size_t particles = 0;  ///< whose middles are in it
+  double mass = 0;            ///< kg
+  Vec2 mean_velocity;         ///< m/s: momentum over mass; 0 where there is nothing
 };
 
 /// What fluids did to a body in the last step.

@@ -41,9 +41,11 @@ typedef struct psim_fluid_report {
   uint64_t withheld;          ///< particles that emitters could not let out: the world was full or out of memory
 } psim_fluid_report;
 
-/// No emitter, no drain; as a fluid: all.
+/// No emitter.
 #define PSIM_NO_EMITTER 0xFFFFFFFFu
+/// No drain.
 #define PSIM_NO_DRAIN 0xFFFFFFFFu
+/// No fluid; where a call asks for one: all of them.
 #define PSIM_NO_FLUID 0xFFFFFFFFu
 
 /// A fluid flows out of a segment at right angles to it: its length times its speed, whatever the steps are.

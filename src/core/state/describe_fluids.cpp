@@ -112,10 +112,11 @@ void Fluids::describe_kinds(Archive& a, const Bounds& bounds, Boundary boundary)
 
 void Fluids::describe(Archive& a, const Bounds& bounds, Boundary boundary) {
   describe_kinds(a, bounds, boundary);
+  if (!a.ok()) return;
+  describe_taps(a, taps_, kinds_.size(), bounds);  // drains need no fluid
   if (!a.ok() || kinds_.empty()) return;
   FluidGrid& grid = solver_.grid();
   particles_.describe(a, grid, space_, kinds_.size());
-  describe_taps(a, taps_, kinds_.size(), bounds);
   values(a, dt_, error_mean_, error_max_, iterations_, fastest_);
   bodies_.describe(a);
   a.require(dt_ >= 0 && dt_ <= limits::kTimeStep.max && fastest_ >= 0);
