@@ -78,7 +78,9 @@ std::uint32_t FluidGrid::find(std::uint64_t key) const {
 }
 
 void FluidGrid::lay(const std::vector<std::uint64_t>& of, const FluidSpace& space, std::int32_t level) {
+  floats_.reserve_loosely(of.size() * fields_ * kTileFloats);  // first: without memory the old tiles stay
   keys = of;
+  active.clear();
   tiles.assign(keys.size(), FluidTile());
   const std::int32_t cells_x = at_level(space.cells_x, level), cells_y = at_level(space.cells_y, level);
   const bool ends = space.boundary != Boundary::open;
@@ -94,10 +96,6 @@ void FluidGrid::lay(const std::vector<std::uint64_t>& of, const FluidSpace& spac
       tile.near[k] = there ? find(key) : FluidTile::kNone;
     }
   }
-  active.clear();
-  const std::size_t floats = keys.size() * fields_ * kTileFloats;
-  floats_.release_if_short(floats);
-  floats_.reserve_loosely(floats);
 }
 
 namespace {

@@ -98,7 +98,8 @@ void Fluids::add(std::uint32_t fluid, Vec2 place, Vec2 velocity) {
 }
 
 void Fluids::step(double dt, Vec2 gravity, const SolidFinder* finder) {
-  bodies_.begin(finder, kinds_.empty() ? 1 : kinds_[0].density, dt);
+  if (kinds_.empty()) return;
+  bodies_.begin(finder, kinds_[0].density, dt);
   iterations_ = 0;
   const int parts = parts_of(dt, gravity);
   for (int k = 0; k < parts; ++k) {
