@@ -31,7 +31,7 @@ constexpr float kFullStrain =
 constexpr float kPressureTolerance = 1e-4f, kEvenTolerance = 1e-2f, kDragTolerance = 1e-5f;
 constexpr int kMostIterations = 100;
 // Water crosses at most so many cells in a part of a step, or fewer where the mean error of the density is larger than this.
-constexpr double kMostCells = 6, kFewerCells = 4, kUnevenMean = 0.015;
+constexpr double kMostCells = 7, kFewerCells = 4, kUnevenMean = 0.015;
 constexpr int kMostParts = 8;      // of a step
 constexpr double kMostTurn = 0.6;  // rad, of waves of surface tension in a part
 // They calm particles in proportion to it: what neighbours do not have in common would feed them.
