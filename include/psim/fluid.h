@@ -65,14 +65,14 @@ struct EmitterDesc {
   std::uint64_t limit = std::numeric_limits<std::uint64_t>::max();
 };
 
-/// What is within an area.
+/// This says how much of a fluid is within an area.
 struct FluidAmount {
   std::size_t particles = 0;  ///< whose middles are in it
   double mass = 0;            ///< kg
   Vec2 mean_velocity;         ///< m/s: momentum over mass; 0 where there is nothing
 };
 
-/// What fluids did to a body in the last step.
+/// This says what fluids did to a body in the last step.
 struct FluidLoad {
   Vec2 force;         ///< N, mean of the step
   double torque = 0;  ///< N m, about the centre of mass, likewise

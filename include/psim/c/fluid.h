@@ -60,7 +60,7 @@ typedef struct psim_emitter_desc {
   uint64_t limit;        ///< it closes after so many particles; default 2^64 - 1
 } psim_emitter_desc;
 
-/// What is within an area.
+/// This says how much of a fluid is within an area.
 typedef struct psim_fluid_amount {
   uint64_t particles;       ///< number
   double mass;              ///< kg
@@ -121,8 +121,8 @@ PSIM_API psim_result psim_world_fluid_in(const psim_world* world, psim_bounds re
 PSIM_API psim_result psim_world_fluid_in_sensor(const psim_world* world, psim_body_id body, uint32_t fluid,
                                                 psim_fluid_amount* amount);
 
-/// What fluids did to a body in the last step: the mean force, N, and torque about its centre of mass, N m. Both are 0
-/// where it met none.
+/// Returns what fluids did to a body in the last step: the mean force, N, and the torque about its centre of mass, N m.
+/// Both are 0 where it met none.
 PSIM_API psim_result psim_world_fluid_load(const psim_world* world, psim_body_id body, psim_vec2* force,
                                            double* torque);
 
