@@ -32,6 +32,19 @@ std::string renewed_text(const RunReport& report) {
   return fmt::format(" ({} of them but for {} bodies)", report.frames_renewed, grouped_mean(mean));
 }
 
+std::string fluid_text(const FluidReport& fluid) {
+  std::string text = fmt::format(
+      "Fluid: {} particles  kinetic {:.6g} J  density error mean {:.3g} % max {:.3g} %  {} iterations in "
+      "the last step\n",
+      grouped(fluid.particles), fluid.kinetic, 100 * fluid.density_error_mean, 100 * fluid.density_error_max,
+      fluid.iterations);
+  if (fluid.emitted + fluid.drained + fluid.withheld != 0) {
+    text += fmt::format("Taps: {} particles emitted  {} drained  {} withheld\n", grouped(fluid.emitted),
+                        grouped(fluid.drained), grouped(fluid.withheld));
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string report_text(const RunReport& report) {
@@ -69,17 +82,7 @@ std::string report_text(const RunReport& report) {
   fmt::format_to(out, "Energy {:.6g} -> {:.6g} J  momentum ({:.4g}, {:.4g})  max penetration {:.3g} m\n",
                  report.start.kinetic + report.start.potential, report.end.kinetic + report.end.potential,
                  report.end.momentum_x, report.end.momentum_y, report.end.max_penetration);
-  if (report.fluid) {
-    fmt::format_to(out,
-                   "Fluid: {} particles  kinetic {:.6g} J  density error mean {:.3g} % max {:.3g} %  {} iterations in "
-                   "the last step\n",
-                   grouped(report.fluid->particles), report.fluid->kinetic, 100 * report.fluid->density_error_mean,
-                   100 * report.fluid->density_error_max, report.fluid->iterations);
-    if (report.fluid->emitted + report.fluid->drained + report.fluid->withheld != 0) {
-      fmt::format_to(out, "Taps: {} particles emitted  {} drained  {} withheld\n", grouped(report.fluid->emitted),
-                     grouped(report.fluid->drained), grouped(report.fluid->withheld));
-    }
-  }
+  if (report.fluid) text += fluid_text(*report.fluid);
   if (report.target) text += target_text(*report.target);
   if (report.profile) text += profile_text(*report.profile);
   fmt::format_to(out, "Skipped: {}\n", skipped_text(report));
