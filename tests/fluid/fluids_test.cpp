@@ -167,6 +167,33 @@ TEST(Fluids, AStandingWaveKeepsItsPeriodAndItsHeight) {
   EXPECT_LT(peak / first_peak, 1.05);
 }
 
+// Wherever its surface lies between the middles of cells, a coarse wave keeps its energy: it makes no currents.
+TEST(Fluids, ACoarseWaveKeepsItsEnergy) {
+  constexpr double kSpacing = 0.04, kAmplitude = 0.03, kWave = kPi / 4;
+  for (const int layers : {24, 25}) {
+    const double depth = layers * kSpacing, turn = std::sqrt(9.81 * kWave * std::tanh(kWave * depth));
+    const double scale = kAmplitude * turn / std::sinh(kWave * depth);
+    Basin b;
+    b.open({0, 0, 4, 2}, Boundary::walls, kSpacing);
+    for (int j = 0; j < layers; ++j) {
+      for (int i = 0; i < 100; ++i) {
+        const double x = (i + 0.5) * kSpacing, y = (j + 0.5) * kSpacing;
+        b.fluids.add(
+            0, {x, y},
+            {-scale * std::sin(kWave * x) * std::cosh(kWave * y), scale * std::cos(kWave * x) * std::sinh(kWave * y)});
+      }
+    }
+    const double before = b.fluids.counts().kinetic;
+    b.run(500);
+    double largest = 0;  // in half a period
+    for (int frame = 0; frame < 100; ++frame) {
+      b.run(1);
+      largest = std::max(largest, b.fluids.counts().kinetic);
+    }
+    EXPECT_NEAR(largest / before, 1, 0.1) << layers;
+  }
+}
+
 // Taylor-Green vortices of n x n particles, from places that are a little uneven.
 void add_vortices(Basin& b, int n, double viscosity) {
   b.open({0, 0, 1, 1}, Boundary::periodic, 1.0 / n, viscosity);

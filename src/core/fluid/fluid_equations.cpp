@@ -19,8 +19,8 @@ constexpr float kSolidSeen = 0.3f;    // and one that sees less than this is no 
 constexpr float kMostlySolid = 0.4f;  // a cell of which bodies leave less to be seen is as full as its neighbours
 constexpr float kLeastOpen = 0.01f;   // a face of which bodies leave less is closed
 constexpr float kMostUneven = 0.5f;   // errors of the density are mended in steps of this
-constexpr float kLeastWay = 0.1f, kMostWay = 1.25f;  // from the middle of a full cell to a surface, cells
-constexpr float kLeastFall = 0.25f;                  // of the depth from a full cell to one that is not
+// By a cell, of pressure between a full cell and one that is not. Where the surface hardly slopes, both may lie within it.
+constexpr float kLeastFall = 0.01f, kMostFall = 20;
 
 // How far the middle of a cell lies within a flat surface, cells, by the share of fluid that its kernel sees.
 class Depth {
@@ -215,13 +215,14 @@ class Setup {
     return share >= kLeastOpen && seen(n) && seen(m) ? share : 0.0f;
   }
 
-  // Returns 1 / the way from the middle of the full one of two neighbouring cells to where pressure is zero, in cells. A
-  // surface may be nearer than the other cell's middle (Gibou et al. 2002).
+  // Returns how steeply pressure falls from the full one of two neighbouring cells to the other one, by its pressure and a
+  // cell. It is zero where the surface lies, which may be nearer than the other cell's middle (Gibou et al. 2002) or
+  // beyond it: pressure changes as the depth does.
   float slope(std::size_t n, std::size_t m) const {
     static const Depth depth;
     if (full_[n] == full_[m]) return 1;
     const float in = depth(full_[n] ? share_[n] : share_[m]), out = depth(full_[n] ? share_[m] : share_[n]);
-    return 1 / std::clamp(in / (in - std::min(out, in - kLeastFall)), kLeastWay, kMostWay);
+    return std::clamp(1 - out / in, kLeastFall, kMostFall);
   }
 
   void find_links() {

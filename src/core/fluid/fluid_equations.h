@@ -19,7 +19,7 @@ struct FluidSurvey {
 };
 
 /// Share of a cell beyond which it counts as full: then it has an equation.
-inline constexpr float kFullCell = 0.575f;
+inline constexpr float kFullCell = 0.53f;
 
 /// What a kernel sees of water whose flat surface is t kernel widths above its middle: the sum over rows of particles, the
 /// first of which lies half a spacing below the surface. A kernel is `spacings` wide: 2 that of a cell.

@@ -32,8 +32,8 @@ constexpr float kPressureTolerance = 1e-4f, kEvenTolerance = 1e-2f, kDragToleran
 constexpr int kMostIterations = 100;
 // Water crosses at most so many cells in a part of a step, or fewer where the mean error of the density is larger than this.
 constexpr double kMostCells = 7, kFewerCells = 4, kUnevenMean = 0.015;
-constexpr int kMostParts = 8;      // of a step
-constexpr double kMostTurn = 0.6;  // rad, of waves of surface tension in a part
+constexpr int kMostParts = 8;       // of a step
+constexpr double kMostTurn = 0.45;  // rad, of waves of surface tension in a part
 // They calm particles in proportion to it: what neighbours do not have in common would feed them.
 constexpr double kCalmingByTurn = 2;
 // A fluid moves as if it were at most so many times as dense as the first one, and at least 1 / so many: beyond, the
