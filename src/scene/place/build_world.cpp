@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/machine.h"
+#include "place/fluid_overlaps.h"
 #include "place/fluid_places.h"
 #include "place/links.h"
 #include "place/placement.h"
@@ -146,9 +147,9 @@ bool add_fluid(World& world, const Scene& scene, std::size_t k, std::string& err
   std::string what;
   PlacedParticles placed;
   const FluidId fluid = world.add_fluid(scene.fluids[k].fluid, what);
-  if (fluid != kNoFluid && place_particles(scene.fluids[k], placed, what) &&
-      world.add_particles(fluid, placed.positions, placed.velocities, what)) {
-    return true;
+  if (fluid != kNoFluid && place_particles(scene.fluids[k], placed, what)) {
+    lay_above_bodies(world, scene, k, placed);
+    if (world.add_particles(fluid, placed.positions, placed.velocities, what)) return true;
   }
   error = "fluids[" + std::to_string(k) + "]: " + what;
   return false;
