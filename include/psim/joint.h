@@ -81,13 +81,14 @@ struct JointDesc {
   double correction = 0;
   Vec2 offset = {};  ///< motor: metres, in the frame of a: from its anchor to that of b
   /// distance, spring, rope: N/m, -1e12 to 1e12: pushes with this x the way between the anchors, half at each of them, to
-  /// the right of the way from a to b: outwards if joints go round a ring counter-clockwise.
+  /// the right of the way from a to b: outwards if joints go round a ring counter-clockwise. weld: between the centres of
+  /// mass of its bodies, as wind_drag, wind_lift and area, for its anchors coincide.
   double pressure = 0;
   double wind_drag =
-      0;  ///< distance, spring, rope: 0 to 1000: the joint catches wind, see WindField, with this as drag
+      0;  ///< distance, spring, rope, weld: 0 to 1000: the joint catches wind, see WindField, with this as drag
   double wind_lift =
       0;  ///< 0 to 1000: and with this as lift, on either of its sides; masks of winds are of bodies alone
-  /// distance, spring, rope: m^2, -1e18 to 1e18: where joints with an area close a ring, from a to b all the way round, it
+  /// distance, spring, rope, weld: m^2, -1e18 to 1e18: where joints with an area close a ring, from a to b all the way round, it
   /// keeps the sum of their areas inside, counter-clockwise, as stiffly as its substeps allow. 0: no part of such a ring.
   double area = 0;
 };

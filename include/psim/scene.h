@@ -35,6 +35,11 @@ struct LinkDesc {
   double pressure = 0;                   ///< ring: N/m: pushes each link outwards
   double drag = 0, lift = 0;             ///< 0 to 1000: the links catch wind, as JointDesc::wind_drag says
   bool area = false;                     ///< ring: keeps the area inside, as JointDesc::area says
+  /// distance, of a ring or a single row or column: N m/rad; above 0 links are beams, each welded to its two bodies, that
+  /// bend in their middle by an angle that takes this x the angle. So beams of the length l bend as one does with
+  /// EI = bending x l.
+  double bending = 0;
+  std::optional<double> bending_damping = {};  ///< N m s/rad, of beams; absent: bending x 1 ms
 };
 
 /// Many alike bodies placed by rule. See docs/scenes.md for the layouts.

@@ -245,6 +245,22 @@ TEST(SceneLinks, AreRead) {
   EXPECT_EQ(parsed_scene(linked_text("hex", 4, "[0, 0, 9, 9]", "{}")).groups[0].links->type, JointType::distance);
 }
 
+TEST(SceneLinks, OfARowOrRingMayBend) {
+  const Scene scene = parsed_scene(linked_text("lattice", 4, "[0, 0, 8, 1]", R"({"bending": 5})"));
+  ASSERT_EQ(all_joints(scene).size(), 3u);
+  for (const SceneJoint& joint : all_joints(scene)) {
+    EXPECT_EQ(joint.joint.type, JointType::weld);
+    EXPECT_EQ(joint.joint.stiffness, 5);
+    EXPECT_EQ(joint.joint.damping, 5e-3);
+  }
+  const Scene damped = parsed_scene(linked_text("ring", 6, "[0, 0, 9, 9]", R"({"bending": 5, "bending_damping": 0})"));
+  const Scene again = parsed_scene(scene_to_json(damped));
+  EXPECT_EQ(again.groups.at(0).links->bending, 5);
+  EXPECT_EQ(again.groups.at(0).links->bending_damping, 0.0);
+  EXPECT_EQ(all_joints(again).at(5).joint.damping, 0);
+  EXPECT_EQ(scene_to_json(again), scene_to_json(damped));
+}
+
 // Each link of a ring has its share of the area, also if the ring is an ellipse.
 TEST(SceneLinks, OfARingMayBeMembranes) {
   const Scene scene =
@@ -348,6 +364,10 @@ TEST(SceneLinks, BadOnesAreRefused) {
   refused("lattice", R"({"pressure": 1})", "groups[0].links.pressure", "layout \"ring\"");
   refused("hex", R"({"area": true})", "groups[0].links.area", "layout \"ring\"");
   refused("ring", R"({"pressure": 1e13})", "groups[0].links.pressure", "1e12");
+  refused("lattice", R"({"bending": 1})", "groups[0].links.bending", "a ring, or a single row or column");
+  refused("ring", R"({"bending": -1})", "groups[0].links.bending", "0 to 1e12");
+  refused("ring", R"({"type": "rope", "bending": 1})", "groups[0].links.bending", "of \"distance\" only");
+  refused("ring", R"({"bending_damping": 1})", "groups[0].links.bending_damping", "`bending` above 0");
   refused("ring", R"({"area": 1})", "groups[0].links.area", "true or false");
   refused("ring", R"({"drag": -1})", "groups[0].links.drag", "0 to 1000");
   refused("ring", R"({"lift": 1001})", "groups[0].links.lift", "0 to 1000");

@@ -174,10 +174,10 @@ typedef struct psim_joint_desc {
   double linear_damping;      ///< weld: N s/m, of that spring
   double correction;          ///< motor: 0 to 1, of the way to offset and reference: the share of each step
   psim_vec2 offset;           ///< motor: metres, in the frame of a: from its anchor to that of b
-  double pressure;            ///< distance, spring, rope: N/m of the way between the anchors, to the right of a to b
-  double wind_drag;           ///< distance, spring, rope: 0 to 1000: the joint catches wind, with this as drag
-  double wind_lift;           ///< and with this as lift
-  double area;                ///< m^2: a ring of joints with areas, all from a to b, keeps their sum inside; 0: none
+  double pressure;   ///< distance, spring, rope, weld: N/m of the way between the anchors, to the right of a to b
+  double wind_drag;  ///< distance, spring, rope: 0 to 1000: the joint catches wind, with this as drag
+  double wind_lift;  ///< and with this as lift
+  double area;       ///< m^2: a ring of joints with areas, all from a to b, keeps their sum inside; 0: none
 } psim_joint_desc;
 
 /// Which bodies a question is about. Default: all but sensors.

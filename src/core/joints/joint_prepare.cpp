@@ -296,7 +296,10 @@ void JointStore::set_membranes(const std::vector<Field>& fields) {
     for (const std::uint32_t side : {0u, 1u}) {
       const JointMember& of = side_at(joint.body[side], joint.anchor(side), world);
       MembraneEnd& end = m.end[side];
-      const Vec2 arm = turned(of.turn, joint.anchor(side) - of.centre);
+      // The anchors of a weld coincide, so it is pushed at the centres of mass.
+      const bool of_world = world && &of == &*world;
+      const Vec2 arm =
+          d.type == JointType::weld && !of_world ? Vec2() : turned(of.turn, joint.anchor(side) - of.centre);
       const double inverse_inertia = of.rim_gain * of.inverse_radius * of.inverse_radius;
       at[side] = of.at;
       end.body = of.number;

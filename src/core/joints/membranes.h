@@ -29,7 +29,7 @@ inline bool tells_of_membrane(const JointDesc& d) {
 /// Whether a joint is pushed by pressure or wind.
 inline bool is_membrane(const JointDesc& d) {
   const bool line = d.type == JointType::distance || d.type == JointType::spring || d.type == JointType::rope;
-  return line && tells_of_membrane(d);
+  return (line || d.type == JointType::weld) && tells_of_membrane(d);
 }
 
 /// One end of a membrane.

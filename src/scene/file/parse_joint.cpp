@@ -79,14 +79,23 @@ constexpr std::array kJointKeys = {Key{"type", kAnyType},
                                    Key{"joint_b", bits(gear)},
                                    Key{"break_force", kBreaks},
                                    Key{"break_torque", kBreaks},
-                                   Key{"pressure", kLines},
-                                   Key{"drag", kLines},
-                                   Key{"lift", kLines},
-                                   Key{"area", kLines}};
-constexpr std::array kLinkKeys = {
-    Key{"type", kAnyType}, Key{"stiffness", bits(spring)}, Key{"damping", bits(spring)}, Key{"diagonals", kAnyType},
-    Key{"pin", kAnyType},  Key{"collide", kAnyType},       Key{"break_force", kAnyType}, Key{"pressure", kAnyType},
-    Key{"drag", kAnyType}, Key{"lift", kAnyType},          Key{"area", kAnyType}};
+                                   Key{"pressure", kLines | bits(weld)},
+                                   Key{"drag", kLines | bits(weld)},
+                                   Key{"lift", kLines | bits(weld)},
+                                   Key{"area", kLines | bits(weld)}};
+constexpr std::array kLinkKeys = {Key{"type", kAnyType},
+                                  Key{"stiffness", bits(spring)},
+                                  Key{"damping", bits(spring)},
+                                  Key{"diagonals", kAnyType},
+                                  Key{"pin", kAnyType},
+                                  Key{"collide", kAnyType},
+                                  Key{"break_force", kAnyType},
+                                  Key{"pressure", kAnyType},
+                                  Key{"drag", kAnyType},
+                                  Key{"lift", kAnyType},
+                                  Key{"area", kAnyType},
+                                  Key{"bending", bits(distance)},
+                                  Key{"bending_damping", bits(distance)}};
 
 std::vector<std::string_view> names_of(unsigned types) {
   std::vector<std::string_view> names;
@@ -355,6 +364,12 @@ std::optional<LinkDesc> read_links(const Node& group_node, const GroupDesc& grou
   links.drag = node->number_or("drag", links.drag, limits::kWindFactor);
   links.lift = node->number_or("lift", links.lift, limits::kWindFactor);
   links.area = node->boolean_or("area", links.area);
+  links.bending = node->number_or("bending", links.bending, limits::kStiffness);
+  if (links.bending > 0 && !may_bend(group)) node->fail_at_key("bending", kMayBend);
+  if (const std::optional<Node> damping = node->find("bending_damping")) {
+    links.bending_damping = damping->number(limits::kJointDamping);
+    if (!(links.bending > 0)) damping->fail("needs a `bending` above 0");
+  }
   const std::string_view encloses = links.area ? "area" : links.pressure != 0 ? "pressure" : "";
   if (!encloses.empty() && group.layout != Layout::ring) {
     node->fail_at_key(encloses, "is for layout \"ring\": nothing else has an inside");

@@ -183,7 +183,9 @@ std::string links_text(const LinkDesc& links) {
   if (links.pin != Pin::none) out.add("pin", name_of(links.pin, kPinNames));
   out.add_if("collide", links.collide).add_unless("break_force", links.break_force, 0);
   out.add_unless("pressure", links.pressure, 0).add_unless("drag", links.drag, 0).add_unless("lift", links.lift, 0);
-  return out.add_if("area", links.area).one_line();
+  out.add_if("area", links.area).add_unless("bending", links.bending, 0);
+  if (links.bending_damping) out.add("bending_damping", *links.bending_damping);
+  return out.one_line();
 }
 
 void add_spring(Object& out, const JointDesc& joint) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "base/machine.h"
+#include "base/rotor.h"
 #include "place/fluid_overlaps.h"
 #include "place/fluid_places.h"
 #include "place/links.h"
@@ -125,6 +126,20 @@ bool add_joint(World& world, const SceneJoint& joint, const std::string& name, s
   return false;
 }
 
+// A beam is a weld half-way between its bodies.
+void meet_halfway(const World& world, SceneJoint& link) {
+  const auto body = [&world](std::uint64_t id) { return world.body(world.id_of(static_cast<std::uint32_t>(id))); };
+  const std::optional<BodyState> a = body(link.a), b = body(link.b);
+  if (!a || !b) return;
+  const Vec2 half = {(b->x - a->x) / 2, (b->y - a->y) / 2};
+  const auto seen_from = [](const BodyState& of, Vec2 way) {
+    const SineCosine r = sine_cosine(-of.angle);
+    return Vec2{r.cosine * way.x - r.sine * way.y, r.sine * way.x + r.cosine * way.y};
+  };
+  link.joint.anchor_a = seen_from(*a, half);
+  link.joint.anchor_b = seen_from(*b, {-half.x, -half.y});
+}
+
 bool add_joints(World& world, const Scene& scene, std::string& error) {
   std::vector<JointId> made;
   for (std::size_t k = 0; k < scene.joints.size(); ++k) {
@@ -136,7 +151,13 @@ bool add_joints(World& world, const Scene& scene, std::string& error) {
     std::vector<SceneJoint> links;
     append_links(scene.groups[k], bodies.first_of_group(k), links);
     const std::string name = "groups[" + std::to_string(k) + "].links";
-    for (const SceneJoint& link : links) {
+    const std::optional<LinkDesc>& desc = scene.groups[k].links;
+    if (desc && desc->bending > 0 && !may_bend(scene.groups[k])) {
+      error = name + ": bending " + kMayBend;
+      return false;
+    }
+    for (SceneJoint& link : links) {
+      if (link.joint.type == JointType::weld) meet_halfway(world, link);
       if (!add_joint(world, link, name, made, error)) return false;
     }
   }

@@ -49,6 +49,14 @@ void append_ring(std::uint64_t count, std::uint64_t first, SceneJoint link, std:
   }
 }
 
+// Makes a link a beam. Without damping the bodies of a ring under pressure would tremble.
+void bend(const LinkDesc& links, JointDesc& link) {
+  constexpr double kRelaxation = 1e-3;  // s
+  link.type = JointType::weld;
+  link.stiffness = links.bending;
+  link.damping = links.bending_damping.value_or(links.bending * kRelaxation);
+}
+
 // The area between a link of a ring and the middle: equal angles of an ellipse have equal areas.
 double area_of_link(const GroupDesc& group) {
   const Bounds& r = group.region;
@@ -101,6 +109,12 @@ bool is_pinned(const GroupDesc& group, std::uint64_t k) {
   return is_pinned(group, plan_of(group), k);
 }
 
+bool may_bend(const GroupDesc& group) {
+  if (group.layout == Layout::ring || group.count == 0) return true;
+  const LatticePlan plan = plan_of(group);
+  return plan.rows == 1 || plan.columns == 1;
+}
+
 void append_links(const GroupDesc& group, std::uint64_t first, std::vector<SceneJoint>& joints) {
   if (!group.links || group.count == 0) return;
   const LinkDesc& links = *group.links;
@@ -114,6 +128,7 @@ void append_links(const GroupDesc& group, std::uint64_t first, std::vector<Scene
   link.joint.wind_drag = links.drag;
   link.joint.wind_lift = links.lift;
   if (group.layout == Layout::ring && links.area) link.joint.area = area_of_link(group);
+  if (links.bending > 0) bend(links, link.joint);
   if (group.layout == Layout::ring) return append_ring(group.count, first, link, joints);
   const LatticePlan plan = plan_of(group);
   const bool hex = group.layout == Layout::hex;

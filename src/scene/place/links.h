@@ -38,8 +38,12 @@ class SceneBodies {
 /// Whether body k of a linked group stands still.
 bool is_pinned(const GroupDesc& group, std::uint64_t k);
 
+/// Whether the links of a group may be beams: those of a net would make a frame of it, which hardly shears.
+bool may_bend(const GroupDesc& group);
+inline constexpr const char* kMayBend = "is for a ring, or a single row or column";
+
 /// Appends a joint for every pair of neighbours of which at least one moves; `first` is the id of the
-/// group's first body.
+/// group's first body. Anchors are the origins of the bodies, also of beams, which are welds half-way between the two.
 void append_links(const GroupDesc& group, std::uint64_t first, std::vector<SceneJoint>& joints);
 
 /// The scene's joints, then those of the groups' links.
