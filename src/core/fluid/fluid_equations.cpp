@@ -160,9 +160,9 @@ class Setup {
         const std::size_t n = tile_node(i, j);
         wall_[n] = x_.seen[at(i)] * y_.seen[at(j)];
         seen_[n] = bodies_ ? std::max(wall_[n] - (1 - left[n]), 0.0f) : wall_[n];
-        const bool cell = seen_[n] > kLeastSeen && x_.cell[at(i)] * y_.cell[at(j)] > 0;
-        share_[n] = cell ? volume[n] / seen_[n] : 0;
-        full_[n] = cell && share_[n] > kFullCell;
+        cell_[n] = seen_[n] > kLeastSeen && x_.cell[at(i)] * y_.cell[at(j)] > 0;
+        share_[n] = cell_[n] ? volume[n] / seen_[n] : 0;
+        full_[n] = cell_[n] && share_[n] > kFullCell;
       }
     }
   }
@@ -177,7 +177,7 @@ class Setup {
         if (!is_deep(n)) continue;
         float sum = 0, weights = 0;
         const auto add = [&](std::size_t m, float open) {
-          if (is_deep(m) || !(seen_[m] > kLeastSeen) || open < kLeastOpen) return;
+          if (is_deep(m) || !cell_[m] || open < kLeastOpen) return;
           sum += open * own_[m];
           weights += open;
         };
@@ -197,8 +197,7 @@ class Setup {
         const std::size_t n = tile_node(i, j);
         deep_[n] = is_deep(n);
         share_[n] = share[n];
-        const bool cell = seen_[n] > kLeastSeen && x_.cell[at(i)] * y_.cell[at(j)] > 0;
-        full_[n] = cell && share_[n] > kFullCell;
+        full_[n] = cell_[n] && share_[n] > kFullCell;
       }
     }
   }
@@ -310,7 +309,8 @@ class Setup {
   bool tension_ = false;
   bool bodies_, densities_;
   float share_[kTileFloats] = {}, seen_[kTileFloats] = {}, wall_[kTileFloats], own_[kTileFloats];
-  bool full_[kTileFloats], deep_[kTileFloats] = {};
+  // Whether a cell is one: within the walls, and bodies leave something of it.
+  bool cell_[kTileFloats] = {}, full_[kTileFloats], deep_[kTileFloats] = {};
 };
 
 }  // namespace
