@@ -61,6 +61,7 @@ void FluidBodies::begin(const SolidFinder* finder, double density, double dt) {
   known_.swap(forces_);
   forces_.clear();
   given_.clear();
+  borne_.clear();
 }
 
 void FluidBodies::begin_part() {
@@ -68,6 +69,7 @@ void FluidBodies::begin_part() {
   solids_.clear();
   bodies_.clear();
   tiles_.clear();
+  hits_.clear();
   moving_ = false;
 }
 
@@ -132,8 +134,9 @@ void FluidBodies::look(const FluidGrid& grid, const FluidSpace& space, double pa
     const FluidForce* moved = find_force(known_, b.id, b.generation);
     const Vec2 push = given.impulse + known * part * given.force - (moved != nullptr ? dt_ * moved->force : Vec2{});
     const double turn = given.spin_impulse + known * part * given.torque - (moved != nullptr ? dt_ * moved->torque : 0);
-    b.velocity = b.velocity + b.inv_mass * push;
-    b.spin += b.inv_inertia * turn;
+    const FluidHits hits = borne_by(b.id);
+    b.velocity = b.velocity + b.inv_mass * (push + Vec2{hits.x, hits.y});
+    b.spin += b.inv_inertia * (turn + hits.turn);
   }
 }
 
@@ -145,7 +148,7 @@ Place2 FluidBodies::speed_at(const FluidSolid& solid, Place2 at) const {
 }
 
 bool FluidBodies::keep_out(std::span<const FluidSolid> solids, Place2 from, float dt, float cell, Place2& at,
-                           Place2& speed) const {
+                           Place2& speed, float mass, std::vector<FluidHits>& hits) const {
   bool changed = false;
   for (int pass = 0; pass < kMostStops; ++pass) {
     bool again = false;
@@ -157,12 +160,81 @@ bool FluidBodies::keep_out(std::span<const FluidSolid> solids, Place2 from, floa
       at = stop.at;
       const Place2 there = speed_at(solid, at);
       const float into = (speed.x - there.x) * stop.out.x + (speed.y - there.y) * stop.out.y;
-      if (into < 0) speed = {speed.x - into * stop.out.x, speed.y - into * stop.out.y};
+      if (into < 0) {
+        speed = {speed.x - into * stop.out.x, speed.y - into * stop.out.y};
+        const std::uint32_t id = bodies_[solid.body].id;
+        if (hits.empty() || hits.back().body != id) hits.push_back({id});
+        const double push = double{mass} * double{into}, x = push * double{stop.out.x}, y = push * double{stop.out.y};
+        hits.back().x += x;
+        hits.back().y += y;
+        const double arm =
+            double{at.x - solid.centre_x} * double{stop.out.y} - double{at.y - solid.centre_y} * double{stop.out.x};
+        hits.back().turn += push * arm;
+        hits.back().mass += double{mass};
+        hits.back().inertia += double{mass} * (arm * arm);
+      }
       changed = again = true;
     }
     if (!again) break;
   }
   return changed;
+}
+
+void FluidBodies::take_hits(const std::vector<FluidHits>& hits, double cell) {
+  const double unit = density_ * cell;
+  for (const FluidHits& h : hits) {
+    hits_.push_back({h.body, unit * h.x, unit * h.y, unit * h.turn, unit * h.mass, unit * h.inertia});
+  }
+}
+
+// Sums up the hits of each body, by id. Each sum goes in the order in which hits were taken.
+void FluidBodies::sum_hits() {
+  // Total order: hits of one body stay in their order.
+  std::stable_sort(hits_.begin(), hits_.end(), [](const FluidHits& a, const FluidHits& b) { return a.body < b.body; });
+  std::size_t bodies = 0;
+  for (const FluidHits& h : hits_) {
+    if (bodies == 0 || hits_[bodies - 1].body != h.body) {
+      hits_[bodies++] = h;
+      continue;
+    }
+    FluidHits& sum = hits_[bodies - 1];
+    sum.x += h.x;
+    sum.y += h.y;
+    sum.turn += h.turn;
+    sum.mass += h.mass;
+    sum.inertia += h.inertia;
+  }
+  hits_.resize(bodies);
+}
+
+FluidHits FluidBodies::borne_by(std::uint32_t id) const {
+  const auto at = std::ranges::lower_bound(borne_, id, {}, &FluidHits::body);
+  return at != borne_.end() && at->body == id ? *at : FluidHits{id};
+}
+
+// Particles were stopped as if a body stood fast. One that is not much heavier than they are bears less, as if they all went
+// on with it: else it would be thrown back from what hits it.
+void FluidBodies::bear_hits() {
+  sum_hits();
+  std::vector<FluidHits> all;
+  std::size_t k = 0;
+  const auto take_until = [&](std::uint32_t id) {
+    for (; k < borne_.size() && borne_[k].body < id; ++k) all.push_back(borne_[k]);
+  };
+  for (const FluidHits& h : hits_) {
+    const auto b = std::ranges::lower_bound(bodies_, h.body, {}, &FluidBody::id);
+    if (b == bodies_.end() || b->id != h.body) continue;
+    take_until(h.body);
+    FluidHits sum = borne_by(h.body);
+    if (k < borne_.size() && borne_[k].body == h.body) ++k;
+    const double share = 1 / (1 + h.mass * b->inv_mass + h.inertia * b->inv_inertia);
+    sum.x += share * h.x;
+    sum.y += share * h.y;
+    sum.turn += share * h.turn;
+    all.push_back(sum);
+  }
+  take_until(~0u);
+  borne_.swap(all);
 }
 
 void FluidBodies::draw(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
@@ -245,6 +317,7 @@ double FluidBodies::apply(FluidGrid& grid, std::size_t x, std::size_t change) {
 
 void FluidBodies::bear(FluidGrid& grid, std::size_t pressure, double part) {
   if (any()) sum_rows(grid, pressure);
+  bear_hits();
   next_.clear();
   const auto add = [&](std::uint32_t id, std::uint32_t generation, Vec2 pushed, double turned) {
     FluidForce f = so_far(id, generation);
@@ -285,6 +358,10 @@ void FluidBodies::finish() {
       f.impulse = f.impulse - dt_ * moved->force;
       f.spin_impulse -= dt_ * moved->torque;
     }
+    // What hits once does not push on in the next step.
+    const FluidHits hits = borne_by(f.id);
+    f.impulse = f.impulse + Vec2{hits.x, hits.y};
+    f.spin_impulse += hits.turn;
     if (f.force != Vec2{} || f.torque != 0 || f.impulse != Vec2{} || f.spin_impulse != 0) forces_.push_back(f);
   }
 }

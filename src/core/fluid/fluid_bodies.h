@@ -37,6 +37,13 @@ struct FluidForce {
   double spin_impulse = 0;  ///< N m s
 };
 
+/// What particles that were stopped at a body gave to it: momentum and angular momentum about its centre of mass; their mass,
+/// and their moment of inertia, each at the arm of its push. All by the reference density and the area of a cell.
+struct FluidHits {
+  std::uint32_t body = 0;  ///< id
+  double x = 0, y = 0, turn = 0, mass = 0, inertia = 0;
+};
+
 /// A fluid asks a finder for the bodies around it.
 class SolidFinder {
  public:
@@ -92,9 +99,13 @@ class FluidBodies : public SolverRows {
   const FluidBody& body(std::size_t k) const { return bodies_[k]; }
   /// Velocity of a point of a body, seen as the solid sees it.
   Place2 speed_at(const FluidSolid& solid, Place2 at) const;
-  /// Keeps a particle out of shapes: `at` is where it went from `from`, m, in dt seconds; `speed` its velocity. Returns
-  /// whether it changed anything.
-  bool keep_out(std::span<const FluidSolid> solids, Place2 from, float dt, float cell, Place2& at, Place2& speed) const;
+  /// Keeps a particle out of shapes: `at` is where it went from `from`, m, in dt seconds; `speed` its velocity; `mass` as in
+  /// FluidMotion. Returns whether it changed anything. `hits` takes down what the shapes bear.
+  bool keep_out(std::span<const FluidSolid> solids, Place2 from, float dt, float cell, Place2& at, Place2& speed,
+                float mass, std::vector<FluidHits>& hits) const;
+  /// Bodies bear this in this part of a step. `cell`: area of a cell, m^2. Lists come in an order that depends on nothing
+  /// but the particles.
+  void take_hits(const std::vector<FluidHits>& hits, double cell);
 
   /// Draws the bodies into a tile: kOpenU, kOpenV, kSeen, kSolidU, kSolidV, and kFine. Makes the rows of its cells.
   void draw(FluidGrid& grid, std::size_t tile, const FluidSpace& space);
@@ -136,6 +147,9 @@ class FluidBodies : public SolverRows {
   friend class FluidCut;
   void number(TileSolids& of);
   void sum_rows(FluidGrid& grid, std::size_t x);
+  void sum_hits();
+  void bear_hits();
+  FluidHits borne_by(std::uint32_t id) const;
   FluidForce so_far(std::uint32_t id, std::uint32_t generation) const;
 
   FluidSolver& solver_;
@@ -147,6 +161,8 @@ class FluidBodies : public SolverRows {
   std::vector<FluidForce> given_, next_;
   std::vector<Tile> tiles_;
   std::vector<Sum> sums_, gains_;  // by body
+  std::vector<FluidHits> hits_;    // of this part of a step, in kg m/s
+  std::vector<FluidHits> borne_;   // what bodies bear of those of this step, by id
   double density_ = 1, share_ = 0, dt_ = 0;
   bool moving_ = false;
 };

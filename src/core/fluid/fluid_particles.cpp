@@ -112,10 +112,13 @@ std::size_t place_in(const std::vector<std::uint64_t>& keys, std::uint64_t key) 
 
 // Keeps a particle, which was at `from`, out of shapes.
 void keep_out_of(const FluidBodies& bodies, std::span<const FluidSolid> solids, Place2 from, float dt,
-                 const FluidSpace& space, FluidParticle& p) {
+                 const FluidSpace& space, const float* mass, FluidParticle& p, std::vector<FluidHits>& hits) {
   const auto wide = static_cast<float>(space.cell_x), high = static_cast<float>(space.cell_y);
   Place2 at{p.x * wide, p.y * high}, speed{p.u, p.v};
-  if (!bodies.keep_out(solids, {from.x * wide, from.y * high}, dt, std::max(wide, high), at, speed)) return;
+  if (!bodies.keep_out(solids, {from.x * wide, from.y * high}, dt, std::max(wide, high), at, speed, mass[p.fluid],
+                       hits)) {
+    return;
+  }
   p.x = at.x / wide;
   p.y = at.y / high;
   p.u = speed.x;
@@ -125,9 +128,10 @@ void keep_out_of(const FluidBodies& bodies, std::span<const FluidSolid> solids, 
 }  // namespace
 
 void FluidParticles::keep_out(const FluidTile& tile, std::span<const FluidSolid> solids, std::span<const Place2> from,
-                              float dt, const FluidSpace& space, const FluidBodies& bodies) {
+                              const float* mass, const FluidSpace& space, const FluidBodies& bodies,
+                              std::vector<FluidHits>& hits) {
   for (std::uint32_t k = 0; k < tile.count; ++k) {
-    keep_out_of(bodies, solids, from[k], dt, space, list_[tile.first + k]);
+    keep_out_of(bodies, solids, from[k], 0, space, mass, list_[tile.first + k], hits);
   }
 }
 
@@ -163,6 +167,7 @@ void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const 
   std::uint64_t last = 0;
   float last_wide = 0, last_high = 0;
   std::uint32_t sides = 0;  // that particles of the tile `last` are near
+  chunks_[job].hits.clear();
   if (bodies.there()) note_places(begin, end, chunks_[job].from);
   kernels.move_fluid(list_.data() + begin, end - begin, motion);
   std::uint32_t of = old_tile_[job];
@@ -187,7 +192,9 @@ void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const 
       high = width_of(from_y, space.cells_y);
       solids = bodies.there() ? bodies.around(place_in(old_keys_, was)) : std::span<FluidSolid>();
     }
-    if (!solids.empty()) keep_out_of(bodies, solids, chunks_[job].from[k - begin], bodies_moved, space, p);
+    if (!solids.empty()) {
+      keep_out_of(bodies, solids, chunks_[job].from[k - begin], bodies_moved, space, motion.mass, p, chunks_[job].hits);
+    }
     if (walls) {
       const auto x = static_cast<float>(kTile * from_x), y = static_cast<float>(kTile * from_y);
       keep_between(p.x, p.u, 1 + kApart - x, 1 + space.wide - kApart - x);
@@ -252,6 +259,7 @@ void FluidParticles::move(const FluidSpace& space, const kernels::FluidMotion& m
   }
   if (bodies.there()) look_around(space, motion, pool, bodies);
   pool.run(jobs, [&](std::size_t job) { move_chunk(job, space, motion, kernels, bodies, bodies_moved); });
+  for (const Chunk& chunk : chunks_) bodies.take_hits(chunk.hits, space.cell_x * space.cell_y);
   lay_tiles(space, grid);
   pool.run(jobs, [&](std::size_t job) { count_chunk(job, grid); });
   std::uint32_t first = 0;

@@ -72,8 +72,8 @@ class FluidParticles {
   void move(const FluidSpace& space, const kernels::FluidMotion& motion, const kernels::KernelTable& kernels,
             FluidGrid& grid, WorkerPool& pool, FluidBodies& bodies, float bodies_moved);
   /// Moves the particles of a tile out of its shapes, into which they went from these places, cells.
-  void keep_out(const FluidTile& tile, std::span<const FluidSolid> solids, std::span<const Place2> from, float dt,
-                const FluidSpace& space, const FluidBodies& bodies);
+  void keep_out(const FluidTile& tile, std::span<const FluidSolid> solids, std::span<const Place2> from,
+                const float* mass, const FluidSpace& space, const FluidBodies& bodies, std::vector<FluidHits>& hits);
   /// Removes the sorted particles that are within a box, or, if `within` is false, beside it, from the tiles of `grid`,
   /// too. Returns how many.
   std::size_t remove(const Bounds& box, bool within, FluidGrid& grid, const FluidSpace& space);
@@ -105,6 +105,7 @@ class FluidParticles {
     std::vector<std::uint64_t> keys;    // tiles that its particles are in or near
     std::vector<std::uint32_t> counts;  // particles by tile
     std::vector<Place2> from;           // where its particles were
+    std::vector<FluidHits> hits;        // of its particles
   };
 
   std::size_t count_ = 0;

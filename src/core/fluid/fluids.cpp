@@ -189,6 +189,7 @@ void Fluids::move_with_grid() {
     solver_.each_of(near_, [&](std::size_t t) { find_slip(grid, t); });
     solver_.each_of(near_, [&](std::size_t t) { set_slip(grid, t); });
   }
+  hits_.resize(grid.size());
   solver_.each_tile([&](std::size_t t) {
     const FluidTile& tile = grid.tiles[t];
     const std::span<const FluidSolid> solids = bodies_.at(t);
@@ -198,8 +199,10 @@ void Fluids::move_with_grid() {
       from.push_back({p.x, p.y});
     }
     gather_particles(grid, t, particles_, kernels_, motion_, viscosity_ > 0);
-    if (!solids.empty()) particles_.keep_out(tile, solids, from, 0, space_, bodies_);
+    hits_[t].clear();
+    if (!solids.empty()) particles_.keep_out(tile, solids, from, mass_.data(), space_, bodies_, hits_[t]);
   });
+  for (const std::vector<FluidHits>& hits : hits_) bodies_.take_hits(hits, space_.cell_x * space_.cell_y);
 }
 
 // The pressure of a step is the first guess of the next one, in the same cells.

@@ -132,8 +132,9 @@ class Fluids {
   std::vector<std::uint8_t> wet_;  // by tile: whether cells of it may have equations
   // Tiles that have equations, and those that are not dry.
   std::vector<std::uint32_t> with_equations_, near_;
-  std::vector<FluidSurvey> surveys_;  // by tile
-  std::vector<float> largest_;        // speed, m/s, by tile
+  std::vector<FluidSurvey> surveys_;          // by tile
+  std::vector<float> largest_;                // speed, m/s, by tile
+  std::vector<std::vector<FluidHits>> hits_;  // of particles at bodies, by tile
   std::uint32_t iterations_ = 0;
   double error_mean_ = 0, error_max_ = 0;
   std::vector<std::uint64_t> old_keys_;  // tiles of the last step, and their pressure
