@@ -108,6 +108,9 @@ TEST(FluidBodies, WhatFloatsStaysWhereItFloats) {
     auto world = make(walled({0, 0, 4, 3}));
     const BodyId id = add(*world, box_at({2, at}, kWide, kHigh, 1000 * share));
     pour(*world, 4, 1, box_outline(kWide, kHigh), {2, at});
+    // The lattice leaves out whole particles, so that the level is not quite 1 m.
+    const double water = static_cast<double>(world->fluid_report().particles) * kPace * kPace;
+    const double floats = (water + share * kWide * kHigh) / 4 + kHigh * (0.5 - share);
     double mean = 0;
     for (int k = 0; k < 600; ++k) {
       run(*world, 1);
@@ -117,7 +120,7 @@ TEST(FluidBodies, WhatFloatsStaysWhereItFloats) {
       EXPECT_NEAR(s.x, 2, 0.03) << k;
       EXPECT_NEAR(s.angle, 0, 0.03) << k;
     }
-    EXPECT_NEAR(mean, at, 0.01) << "density " << share;
+    EXPECT_NEAR(mean, floats, 0.003) << "density " << share;
   }
 }
 

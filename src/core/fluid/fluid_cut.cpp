@@ -17,6 +17,8 @@ namespace {
 constexpr float kSmall = 8;    // squares: the area of a shape that is no wider is made right
 constexpr float kTiny = 1.5f;  // squares: a shape that is no wider is spread over nine of them
 constexpr float kTurnsAway = -0.1f;
+constexpr float kOnSurface =
+    1e-3f;  // squares: the middle of a cell that is no further from a shape counts as within it
 
 float spline(float t) {
   t = std::fabs(t);
@@ -150,7 +152,8 @@ bool FluidCut::closes(std::size_t n, std::size_t m, Place2 face, Place2 way, std
   const Middle &a = middles_[n], &b = middles_[m];
   const auto along = [](Place2 p, Place2 q) { return p.x * q.x + p.y * q.y; };
   solid = a.distance < b.distance ? a.solid : b.solid;
-  const bool a_in = a.distance < 0, b_in = b.distance < 0;
+  const float in = kOnSurface * side_x_;
+  const bool a_in = a.distance < in, b_in = b.distance < in;
   if ((a_in && !solids_[a.solid].thin) || (b_in && !solids_[b.solid].thin)) return false;
   if (a_in && b_in) return along(a.out, b.out) < 0;
   if (a_in) return along(a.out, way) < kTurnsAway;
@@ -158,7 +161,7 @@ bool FluidCut::closes(std::size_t n, std::size_t m, Place2 face, Place2 way, std
   if (std::min(a.distance, b.distance) > side_x_ + side_y_) return false;
   for (const std::uint32_t k : {a.solid, b.solid}) {
     Place2 out;
-    if (!solids_[k].thin || solids_[k].distance(face, out) >= 0) continue;
+    if (!solids_[k].thin || solids_[k].distance(face, out) >= in) continue;
     solid = k;
     return true;
   }

@@ -192,13 +192,17 @@ void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const 
       high = width_of(from_y, space.cells_y);
       solids = bodies.there() ? bodies.around(place_in(old_keys_, was)) : std::span<FluidSolid>();
     }
-    if (!solids.empty()) {
-      keep_out_of(bodies, solids, chunks_[job].from[k - begin], bodies_moved, space, motion.mass, p, chunks_[job].hits);
-    }
-    if (walls) {
+    const auto keep_within = [&] {
+      if (!walls) return;
       const auto x = static_cast<float>(kTile * from_x), y = static_cast<float>(kTile * from_y);
       keep_between(p.x, p.u, 1 + kApart - x, 1 + space.wide - kApart - x);
       keep_between(p.y, p.v, 1 + kApart - y, 1 + space.high - kApart - y);
+    };
+    keep_within();
+    if (!solids.empty()) {
+      // Beyond a wall of the world a particle might pass a shape that leans against it, and come back behind it.
+      keep_out_of(bodies, solids, chunks_[job].from[k - begin], bodies_moved, space, motion.mass, p, chunks_[job].hits);
+      keep_within();
     }
     std::uint64_t key = from;
     if (!(p.x >= 0 && p.x < wide && p.y >= 0 && p.y < high)) {

@@ -7,6 +7,8 @@ namespace psim {
 namespace {
 
 constexpr float kThinnest = 0.5f;  // cells: half the width of a line that holds pressure
+constexpr float kRounding =
+    1e-6f;  // of coordinates: the direction from a point to another one that is nearer says nothing
 
 float length(Place2 a) { return std::sqrt(a.x * a.x + a.y * a.y); }
 
@@ -100,8 +102,9 @@ float FluidSolid::distance(Place2 at, Place2& out) const {
     }
   }
   if (count == 1) nearest = length(way);
-  // Within, and beside an edge, the line tells the distance. Else it is that from a corner, or from the end of a line.
-  if (count > 1 && (farthest >= 0.999f * nearest || (count > 2 && farthest < 0))) {
+  // Within, and beside or on an edge, the line tells the distance. Else it is that from a corner, or from the end of a line.
+  const bool on_edge = nearest <= kRounding * (std::fabs(at.x) + std::fabs(at.y));
+  if (count > 1 && (farthest >= 0.999f * nearest || on_edge || (count > 2 && farthest < 0))) {
     out = side;
     return farthest - radius;
   }
