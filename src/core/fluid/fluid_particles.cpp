@@ -84,6 +84,13 @@ void keep_between(float& x, float& speed, float low, float high) {
   }
 }
 
+// Keeps a particle within the walls of the world. `x`, `y`: the tile that its place is counted from.
+void keep_within(const FluidSpace& space, std::int32_t x, std::int32_t y, FluidParticle& p) {
+  const auto left = static_cast<float>(kTile * x), bottom = static_cast<float>(kTile * y);
+  keep_between(p.x, p.u, 1 + kApart - left, 1 + space.wide - kApart - left);
+  keep_between(p.y, p.v, 1 + kApart - bottom, 1 + space.high - kApart - bottom);
+}
+
 // The sides of a tile that a particle is near: bit k for FluidTile::near[k].
 std::uint32_t sides_of(const FluidParticle& p, float wide, float high) {
   const bool left = p.x < kNear, right = p.x >= wide - kNear, below = p.y < kNear, above = p.y >= high - kNear;
@@ -192,17 +199,11 @@ void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const 
       high = width_of(from_y, space.cells_y);
       solids = bodies.there() ? bodies.around(place_in(old_keys_, was)) : std::span<FluidSolid>();
     }
-    const auto keep_within = [&] {
-      if (!walls) return;
-      const auto x = static_cast<float>(kTile * from_x), y = static_cast<float>(kTile * from_y);
-      keep_between(p.x, p.u, 1 + kApart - x, 1 + space.wide - kApart - x);
-      keep_between(p.y, p.v, 1 + kApart - y, 1 + space.high - kApart - y);
-    };
-    keep_within();
+    if (walls) keep_within(space, from_x, from_y, p);
     if (!solids.empty()) {
       // Beyond a wall of the world a particle might pass a shape that leans against it, and come back behind it.
       keep_out_of(bodies, solids, chunks_[job].from[k - begin], bodies_moved, space, motion.mass, p, chunks_[job].hits);
-      keep_within();
+      if (walls) keep_within(space, from_x, from_y, p);
     }
     std::uint64_t key = from;
     if (!(p.x >= 0 && p.x < wide && p.y >= 0 && p.y < high)) {
