@@ -14,11 +14,9 @@ using S = FluidSolver;
 
 namespace {
 
-constexpr float kSmall = 8;    // squares: the area of a shape that is no wider is made right
-constexpr float kTiny = 1.5f;  // squares: a shape that is no wider is spread over nine of them
-constexpr float kTurnsAway = -0.1f;
-constexpr float kOnSurface =
-    1e-3f;  // squares: the middle of a cell that is no further from a shape counts as within it
+constexpr float kSmall = 8;          // squares: the area of a shape that is no wider is made right
+constexpr float kTiny = 1.5f;        // squares: a shape that is no wider is spread over nine of them
+constexpr float kOnSurface = 1e-3f;  // squares: what is nearer to a surface counts as on it
 
 float spline(float t) {
   t = std::fabs(t);
@@ -140,28 +138,39 @@ void FluidCut::find_middles() {
         if (!solids_[k].is_near(at, cell)) continue;
         Place2 out;
         const float d = solids_[k].distance(at, out);
-        if (d < m.distance) m = {d, out, k};
+        if (d < m.distance) m = {d, out, at, k};
       }
+      m.at = way_out(at, m);
     }
   }
 }
 
-// Whether nothing goes through the face between the cells n and m, `way` from n to m, since what is solid separates
-// them. `solid` gets the shape that closes it.
-bool FluidCut::closes(std::size_t n, std::size_t m, Place2 face, Place2 way, std::uint32_t& solid) const {
+// Where a point within thin shapes comes out: by the nearest way, and, if that leads into another one, on from there.
+Place2 FluidCut::way_out(Place2 at, const Middle& nearest) const {
+  constexpr int kMostShapes = 2;
+  const float apart = 2 * kOnSurface * side_x_;
+  Middle in = nearest;
+  for (int k = 0; k < kMostShapes && in.distance < apart && solids_[in.solid].thin; ++k) {
+    at = {at.x + (apart - in.distance) * in.out.x, at.y + (apart - in.distance) * in.out.y};
+    in.distance = kFar;
+    for (std::uint32_t other = 0; other < solids_.size(); ++other) {
+      Place2 out;
+      if (!solids_[other].thin || !solids_[other].is_near(at, 0)) continue;
+      if (const float d = solids_[other].distance(at, out); d < in.distance) in = {d, out, at, other};
+    }
+  }
+  return at;
+}
+
+// Whether nothing goes through the face between the cells n and m, since a thin shape separates them: it lies between where
+// their middles are or come out. `solid` gets the shape.
+bool FluidCut::closes(std::size_t n, std::size_t m, std::uint32_t& solid) const {
   const Middle &a = middles_[n], &b = middles_[m];
-  const auto along = [](Place2 p, Place2 q) { return p.x * q.x + p.y * q.y; };
-  solid = a.distance < b.distance ? a.solid : b.solid;
-  const float in = kOnSurface * side_x_;
-  const bool a_in = a.distance < in, b_in = b.distance < in;
+  const bool a_in = a.distance < 0, b_in = b.distance < 0;
   if ((a_in && !solids_[a.solid].thin) || (b_in && !solids_[b.solid].thin)) return false;
-  if (a_in && b_in) return along(a.out, b.out) < 0;
-  if (a_in) return along(a.out, way) < kTurnsAway;
-  if (b_in) return along(b.out, way) > -kTurnsAway;
   if (std::min(a.distance, b.distance) > side_x_ + side_y_) return false;
-  for (const std::uint32_t k : {a.solid, b.solid}) {
-    Place2 out;
-    if (!solids_[k].thin || solids_[k].distance(face, out) >= in) continue;
+  for (std::uint32_t k = 0; k < solids_.size(); ++k) {
+    if (!solids_[k].thin || !passes(solids_[k], a.at, b.at, kOnSurface * side_x_)) continue;
     solid = k;
     return true;
   }
@@ -176,8 +185,7 @@ void FluidCut::open_faces() {
       const std::int32_t a = 2 * i, b = 2 * j;
       const auto face = [&](std::size_t m, float share, bool across, Place2 at, float& all, float& open) {
         std::uint32_t solid = 0;
-        const Place2 way = across ? Place2{-1, 0} : Place2{0, -1};
-        if (closes(n, m, at, way, solid)) {
+        if (closes(n, m, solid)) {
           closed_.push_back({across, n, at, solids_[solid].body, 1 - share});
           share = 1;
         }

@@ -26,7 +26,7 @@ class FluidCut {
   };
   struct Middle {
     float distance = kFar;  // of the middle of a cell from the nearest shape
-    Place2 out;
+    Place2 out, at;         // where it is, or comes out of thin shapes
     std::uint32_t solid = 0;
   };
   struct ClosedFace {
@@ -47,7 +47,8 @@ class FluidCut {
   void cover_tiny(std::uint32_t k, const FluidSolid& s);
   void end_at_walls();
   void find_middles();
-  bool closes(std::size_t n, std::size_t m, Place2 face, Place2 way, std::uint32_t& solid) const;
+  Place2 way_out(Place2 at, const Middle& nearest) const;
+  bool closes(std::size_t n, std::size_t m, std::uint32_t& solid) const;
   void open_faces();
   void see();
   void make_rows();

@@ -139,6 +139,16 @@ float enter(const FluidSolid& solid, Place2 from, Place2 u, float length, float 
 
 }  // namespace
 
+bool passes(const FluidSolid& solid, Place2 from, Place2 to, float apart) {
+  if (std::max(from.x, to.x) < solid.low_x - apart || std::min(from.x, to.x) > solid.high_x + apart ||
+      std::max(from.y, to.y) < solid.low_y - apart || std::min(from.y, to.y) > solid.high_y + apart) {
+    return false;
+  }
+  const float way = length({to.x - from.x, to.y - from.y});
+  Place2 out;
+  return way > 0 && enter(solid, from, {(to.x - from.x) / way, (to.y - from.y) / way}, way, apart, out) >= 0;
+}
+
 Stop stop_at(const FluidSolid& solid, Place2 from, Place2 to, float apart, float most) {
   const Place2 low{std::min(from.x, to.x), std::min(from.y, to.y)},
       high{std::max(from.x, to.x), std::max(from.y, to.y)};

@@ -40,6 +40,9 @@ FluidSolid fluid_solid(const ConvexOutline& outline, Vec2 centre, float cell);
 /// Returns the share of a box that lies within a straight edge `distance` from the middle of the box.
 float share_within(float distance, Place2 out, float wide, float high);
 
+/// Whether a straight way comes nearer to a shape than `apart`.
+bool passes(const FluidSolid& solid, Place2 from, Place2 to, float apart);
+
 /// Where a particle on its way from `from` to `to` is stopped by a shape.
 struct Stop {
   bool stopped = false;
