@@ -80,6 +80,20 @@ const FluidForce* find_force(const std::vector<FluidForce>& forces, std::uint32_
   return at != forces.end() && at->id == id && at->generation == generation ? &*at : nullptr;
 }
 
+// Sums up the hits of each body, by id. Each sum goes in the order in which hits were taken.
+void merge(std::vector<FluidHits>& hits) {
+  // Total order: hits of one body stay in their order.
+  std::stable_sort(hits.begin(), hits.end(), [](const FluidHits& a, const FluidHits& b) { return a.body < b.body; });
+  std::size_t bodies = 0;
+  for (std::size_t k = 0; k < hits.size(); ++k) {
+    const FluidHits h = hits[k];
+    if (bodies == 0 || hits[bodies - 1].body != h.body) hits[bodies++] = {h.body};
+    FluidHits& sum = hits[bodies - 1];
+    sum = {h.body, sum.x + h.x, sum.y + h.y, sum.turn + h.turn, sum.mass + h.mass, sum.inertia + h.inertia};
+  }
+  hits.resize(bodies);
+}
+
 }  // namespace
 
 // What the parts of this step gave to a body. Before the first part its last force is that of the step before.
@@ -187,26 +201,6 @@ void FluidBodies::take_hits(const std::vector<FluidHits>& hits, double cell) {
   }
 }
 
-// Sums up the hits of each body, by id. Each sum goes in the order in which hits were taken.
-void FluidBodies::sum_hits() {
-  // Total order: hits of one body stay in their order.
-  std::stable_sort(hits_.begin(), hits_.end(), [](const FluidHits& a, const FluidHits& b) { return a.body < b.body; });
-  std::size_t bodies = 0;
-  for (const FluidHits& h : hits_) {
-    if (bodies == 0 || hits_[bodies - 1].body != h.body) {
-      hits_[bodies++] = h;
-      continue;
-    }
-    FluidHits& sum = hits_[bodies - 1];
-    sum.x += h.x;
-    sum.y += h.y;
-    sum.turn += h.turn;
-    sum.mass += h.mass;
-    sum.inertia += h.inertia;
-  }
-  hits_.resize(bodies);
-}
-
 FluidHits FluidBodies::borne_by(std::uint32_t id) const {
   const auto at = std::ranges::lower_bound(borne_, id, {}, &FluidHits::body);
   return at != borne_.end() && at->body == id ? *at : FluidHits{id};
@@ -215,30 +209,43 @@ FluidHits FluidBodies::borne_by(std::uint32_t id) const {
 // Particles were stopped as if a body stood fast. One that is not much heavier than they are bears less, as if they all went
 // on with it: else it would be thrown back from what hits it.
 void FluidBodies::bear_hits() {
-  sum_hits();
-  std::vector<FluidHits> all;
-  std::size_t k = 0;
-  const auto take_until = [&](std::uint32_t id) {
-    for (; k < borne_.size() && borne_[k].body < id; ++k) all.push_back(borne_[k]);
-  };
+  merge(hits_);
   for (const FluidHits& h : hits_) {
     const auto b = std::ranges::lower_bound(bodies_, h.body, {}, &FluidBody::id);
     if (b == bodies_.end() || b->id != h.body) continue;
-    take_until(h.body);
-    FluidHits sum = borne_by(h.body);
-    if (k < borne_.size() && borne_[k].body == h.body) ++k;
     const double share = 1 / (1 + h.mass * b->inv_mass + h.inertia * b->inv_inertia);
-    sum.x += share * h.x;
-    sum.y += share * h.y;
-    sum.turn += share * h.turn;
-    all.push_back(sum);
+    borne_.push_back({h.body, share * h.x, share * h.y, share * h.turn});
   }
-  take_until(~0u);
-  borne_.swap(all);
+  merge(borne_);
 }
 
 void FluidBodies::draw(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
   FluidCut(grid, tile, space, *this).run();
+}
+
+// Cells which see next to nothing beside a body have no equation, and their rows are missing. The other ones make up for it,
+// each by its size.
+void FluidBodies::close_surfaces(const FluidGrid& grid) {
+  for (float Row::*const part : {&Row::x, &Row::y, &Row::turn}) {
+    std::vector<double> sums(bodies_.size()), sizes(bodies_.size());
+    const auto each_row = [&](const auto& visit) {
+      for (std::size_t t = 0; t < tiles_.size(); ++t) {
+        for (const Run& run : tiles_[t].runs) {
+          for (std::uint32_t k = run.first; k < run.end; ++k) {
+            Row& row = tiles_[t].rows[k];
+            if (grid.field(S::kDiagonal, t)[row.node] > 0) visit(row.*part, sums[run.body], sizes[run.body]);
+          }
+        }
+      }
+    };
+    each_row([](float& a, double& sum, double& size) {
+      sum += static_cast<double>(a);
+      size += static_cast<double>(std::fabs(a));
+    });
+    each_row([](float& a, double& sum, double& size) {
+      if (size > 0) a -= static_cast<float>(sum / size) * std::fabs(a);
+    });
+  }
 }
 
 float FluidBodies::add_motion(FluidGrid& grid, std::size_t tile) const {

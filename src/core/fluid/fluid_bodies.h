@@ -109,6 +109,9 @@ class FluidBodies : public SolverRows {
 
   /// Draws the bodies into a tile: kOpenU, kOpenV, kSeen, kSolidU, kSolidV, and kFine. Makes the rows of its cells.
   void draw(FluidGrid& grid, std::size_t tile, const FluidSpace& space);
+  /// Where there is no surface the equations leave the mean of the pressure open: takes it out of what bodies feel, so that
+  /// their rows add up to nothing. After draw(), before add_motion().
+  void close_surfaces(const FluidGrid& grid);
   /// Takes the bodies' motion into the right sides of pressure of a tile; returns the largest of them.
   float add_motion(FluidGrid& grid, std::size_t tile) const;
 
@@ -147,7 +150,6 @@ class FluidBodies : public SolverRows {
   friend class FluidCut;
   void number(TileSolids& of);
   void sum_rows(FluidGrid& grid, std::size_t x);
-  void sum_hits();
   void bear_hits();
   FluidHits borne_by(std::uint32_t id) const;
   FluidForce so_far(std::uint32_t id, std::uint32_t generation) const;

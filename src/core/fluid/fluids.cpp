@@ -289,7 +289,6 @@ void Fluids::solve() {
       if (diagonal[n] <= 0) pressure[n] = tension ? known[n] : 0;
     }
     std::fill_n(grid.field(S::kEven, t), kTileFloats, 0.0f);
-    if (bodies_.any()) surveys_[t].largest = bodies_.add_motion(grid, t);
   });
   FluidSurvey all;
   for (const FluidSurvey& s : surveys_) {
@@ -305,6 +304,12 @@ void Fluids::solve() {
   if (!all.surface && all.full > 0) {
     const auto mean = static_cast<float>(all.uneven / all.full);
     solver_.each_of(near_, [&](std::size_t t) { balance_uneven(grid, t, mean); });
+  }
+  if (bodies_.any()) {
+    if (!all.surface) bodies_.close_surfaces(grid);
+    largest_.assign(grid.size(), 0);
+    solver_.each_of(near_, [&](std::size_t t) { largest_[t] = bodies_.add_motion(grid, t); });
+    all.largest = *std::max_element(largest_.begin(), largest_.end());
   }
   error_mean_ = all.cells == 0 ? 0 : all.error / all.cells;
   error_max_ = static_cast<double>(all.worst);
