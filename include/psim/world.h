@@ -277,7 +277,7 @@ class PSIM_API World {
   /// The particles of a fluid, or of all for kNoFluid, whose middle is within the sensor shapes of a body, where both are
   /// now; nothing if the id is stale. So a game waits until a bucket is full. O(particles near the body).
   std::optional<FluidAmount> fluid_in_sensor(BodyId id, FluidId fluid = kNoFluid) const;
-  /// Returns what fluids did to a body in the last step, 0 where it met none, or nothing if the id is stale.
+  /// Returns what the pressure of fluids did to a body in the last step, 0 where it met none, or nothing if the id is stale.
   std::optional<FluidLoad> fluid_load(BodyId id) const;
 
   /// The first body that the way from `from` to `to` enters.

@@ -121,7 +121,7 @@ PSIM_API psim_result psim_world_fluid_in(const psim_world* world, psim_bounds re
 PSIM_API psim_result psim_world_fluid_in_sensor(const psim_world* world, psim_body_id body, uint32_t fluid,
                                                 psim_fluid_amount* amount);
 
-/// Returns what fluids did to a body in the last step: the mean force, N, and the torque about its centre of mass, N m.
+/// Returns what the pressure of fluids did to a body in the last step: the mean force, N, and the torque about its centre of mass, N m.
 /// Both are 0 where it met none.
 PSIM_API psim_result psim_world_fluid_load(const psim_world* world, psim_body_id body, psim_vec2* force,
                                            double* torque);
