@@ -365,7 +365,7 @@ void FluidBodies::finish() {
       f.impulse = f.impulse - dt_ * moved->force;
       f.spin_impulse -= dt_ * moved->torque;
     }
-    // What hits once does not push on in the next step.
+    // Hits are part of the impulse alone: a particle that struck in this step does not push again in the next one.
     const FluidHits hits = borne_by(f.id);
     f.impulse = f.impulse + Vec2{hits.x, hits.y};
     f.spin_impulse += hits.turn;

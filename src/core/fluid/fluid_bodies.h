@@ -37,7 +37,7 @@ struct FluidForce {
   double spin_impulse = 0;  ///< N m s
 };
 
-/// What particles that were stopped at a body gave to it: momentum and angular momentum about its centre of mass; their mass,
+/// Particles that were stopped at a body gave this to it: momentum and angular momentum about its centre of mass; their mass,
 /// and their moment of inertia, each at the arm of its push. All by the reference density and the area of a cell.
 struct FluidHits {
   std::uint32_t body = 0;  ///< id

@@ -182,7 +182,7 @@ class JointStore {
   void prepare(const std::vector<FixedBody>& fixed, const SolverBodies& solved, double h, int substeps, double coast,
                bool calm, const std::vector<Field>& fields);
 
-  /// What pressure and wind do to joints in half of a substep.
+  /// Pushes the bodies of membranes as pressure and wind do in half of a substep.
   void press(const kernels::BodyView& view) {
     if (membranes_.any()) membranes_.press(view, h_ / 2, s_.pool);
   }

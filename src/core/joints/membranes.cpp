@@ -147,7 +147,7 @@ void Membranes::stretch(const kernels::BodyView& view, Membrane& m, double time)
   }
 }
 
-// What the inside of a ring pushes: pressure = stiffness (rest - area) + damping shrinking. With the gradient g of the area by
+// The inside of a ring pushes outwards with pressure = stiffness (rest - area) + damping shrinking. With the gradient g of the area by
 // the places of the bodies, of inverse masses w, the area A follows A'' = pressure sum(g^2 w): the stiffness is that of the
 // angular frequency w = sqrt(kRingStiffness)/h.
 void Membranes::press_ring(BlockRange ring, double time) {

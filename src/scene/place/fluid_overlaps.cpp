@@ -55,7 +55,7 @@ bool is_inside(const FluidPolygon& area, Vec2 p) {
   bool inside = false;
   for (std::size_t k = 0; k < area.vertices.size(); ++k) {
     const Vec2 a = area.vertices[k], b = area.vertices[(k + 1) % area.vertices.size()];
-    if ((a.y <= p.y) != (b.y <= p.y) && a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x) > p.x) inside = !inside;
+    if ((a.y <= p.y) != (b.y <= p.y) && crossing(a, b, p.y) > p.x) inside = !inside;
   }
   return inside;
 }

@@ -40,7 +40,7 @@ void crossings(const FluidPolygon& polygon, double y, std::vector<double>& out) 
   out.clear();
   for (std::size_t k = 0; k < polygon.vertices.size(); ++k) {
     const Vec2 p = polygon.vertices[k], q = polygon.vertices[(k + 1) % polygon.vertices.size()];
-    if ((p.y <= y) != (q.y <= y)) out.push_back(p.x + (y - p.y) / (q.y - p.y) * (q.x - p.x));
+    if ((p.y <= y) != (q.y <= y)) out.push_back(crossing(p, q, y));
   }
   std::ranges::sort(out);  // Total order: these are numbers, and equal ones are the same.
 }

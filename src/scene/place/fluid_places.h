@@ -16,6 +16,9 @@ inline constexpr std::uint64_t kMostFluidRows = 100'000;
 /// The particles that a fluid begins with; more than kMostParticles if there are too many to count.
 std::uint64_t count_particles(const SceneFluid& fluid);
 
+/// Returns the x at which a side of a polygon, from p to q, is at the height y. The side is not level.
+inline double crossing(Vec2 p, Vec2 q, double y) { return p.x + (y - p.y) / (q.y - p.y) * (q.x - p.x); }
+
 struct PlacedParticles {
   std::vector<Vec2> positions, velocities;  ///< no velocities: all are at rest
 };
