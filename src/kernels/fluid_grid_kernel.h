@@ -87,6 +87,20 @@ void fluid_residual(const FluidLevel& a, const float* right, const float* x, flo
   });
 }
 
+/// Adds to x what the coarser level says. There the node (i / 2, j / 2), counted from `coarse`, stands for two by two nodes,
+/// those that have an equation.
+template <class L>
+void prolong_fluid(const FluidLevel& a, const float* coarse, float* x) {
+  constexpr std::int32_t kNodes = 2 * static_cast<std::int32_t>(L::records);
+  for (std::int32_t j = 0; j < kTile; ++j) {
+    for (std::int32_t i = 0; i < kTile; i += kNodes) {
+      const std::size_t n = tile_node(i, j);
+      const Rec<L> more = L::spread(coarse + tile_node(i / 2, j / 2));
+      L::store_rec(x + n, L::load_rec(x + n) + drop(L::load_rec(a.diagonal + n) <= Rec<L>(0, 0), more));
+    }
+  }
+}
+
 /// way = z + share * way, with the halo, which both have; change = A way. Returns way times `change`.
 template <class L>
 double turn_fluid(const FluidLevel& a, const float* z, float share, float* way, float* change) {

@@ -14,150 +14,159 @@ namespace {
 template <class L>
 using Four = typename L::Four;
 
-/// Along an axis, the three nodes next to a particle and a fourth one, whose weights are 0.
+/// Along an axis, the three nodes next to a particle; a lane is a particle.
 template <class L>
-struct Spline {
-  std::int32_t first;  // number of the first node
-  Four<L> w;           // weights of the nodes
-  Four<L> ways;        // from the particle to them, cells
-};
-/// The same for the axis whose nodes are rows: three weights, and three ways.
-struct Rows {
-  std::int32_t first;
-  float w[3], way[3];
-};
-
-/// Four axes at once: nodes on whole numbers or half-way between them, in x and in y, and whatever else is asked.
-template <class L>
-struct Splines {
-  Four<L> w0, w1, w2;  // weights of the first, second and third node, by axis
-  Four<L> off;         // from the second node to the particle
-  float middle[4];     // number of the second node
-  float w[3][4], way[4];
+struct Axis {
+  F<L> middle;         // number of the second node
+  F<L> w[3], ways[3];  // weights of the nodes, and from the particle to them, cells
 
   /// `at`: where the particle is; half: 1/2 for nodes half-way between whole numbers, else 0.
-  PSIM_INLINE Splines(Four<L> at, Four<L> half) {
-    const Four<L> m = floor((at - half) + Four<L>(0.5f));
-    off = (at - half) - m;
-    const Four<L> below = Four<L>(0.5f) - off, above = Four<L>(0.5f) + off;
-    w0 = Four<L>(0.5f) * (below * below);
-    w1 = Four<L>(0.75f) - off * off;
-    w2 = Four<L>(0.5f) * (above * above);
-    store(middle, m);
-    store(w[0], w0);
-    store(w[1], w1);
-    store(w[2], w2);
-    store(way, off);
+  PSIM_INLINE Axis(F<L> at, F<L> half) {
+    middle = floor((at - half) + F<L>(0.5f));
+    const F<L> off = (at - half) - middle;  // from the second node to the particle
+    const F<L> below = F<L>(0.5f) - off, above = F<L>(0.5f) + off;
+    w[0] = F<L>(0.5f) * (below * below);
+    w[1] = F<L>(0.75f) - off * off;
+    w[2] = F<L>(0.5f) * (above * above);
+    for (int k = 0; k < 3; ++k) ways[k] = F<L>(static_cast<float>(k - 1)) - off;
   }
-  PSIM_INLINE std::int32_t first(std::size_t axis) const { return static_cast<std::int32_t>(middle[axis]) - 1; }
-  /// Two of the axes as columns.
-  PSIM_INLINE void columns(std::size_t a, Spline<L>& of_a, std::size_t b, Spline<L>& of_b) const {
-    Four<L> column[4] = {w0, w1, w2, Four<L>(0.0f)};
-    transpose(column[0], column[1], column[2], column[3]);
-    const Four<L> nodes = {-1, 0, 1, 0};
-    of_a = {first(a), column[a], nodes - Four<L>(way[a])};
-    of_b = {first(b), column[b], nodes - Four<L>(way[b])};
+  /// The derivative of a weight by the particle's place.
+  PSIM_INLINE F<L> slope(int k) const { return k == 1 ? F<L>(2.0f) * ways[1] : F<L>(k == 0 ? -1.5f : 1.5f) - ways[k]; }
+};
+
+/// Where particles are among the nodes of a tile: on whole numbers (x0, y0), half-way (xh, yh), on the fine grid (xf, yf).
+template <class L>
+struct Places {
+  Axis<L> x0, xh, xf, y0, yh, yf;
+
+  PSIM_INLINE Places(F<L> x, F<L> y)
+      : x0(x, 0.0f), xh(x, 0.5f), xf(F<L>(2.0f) * x, 0.5f), y0(y, 0.0f), yh(y, 0.5f), yf(F<L>(2.0f) * y, 0.5f) {}
+};
+
+/// The particles that have a lane each: the next ones, and a spare one where there are no more.
+template <class L, class Particle, class Float>
+PSIM_INLINE inline void point_at(Particle* particles, std::size_t count, Particle& spare, Float* (&at)[L::width]) {
+  for (std::size_t k = 0; k < L::width; ++k) at[k] = reinterpret_cast<Float*>(k < count ? particles + k : &spare);
+}
+static_assert(sizeof(FluidParticle) == 12 * sizeof(float));
+/// Where members of a particle begin, in floats.
+enum FluidMember : std::size_t { kPlaceAndVelocity = 0, kPushAndGradientU = 4, kGradient = 6 };
+
+/// Numbers that belong to a particle, in fours: written a lane each, read one by one.
+template <class L, std::size_t kFours>
+struct Fours {
+  alignas(32) float of[L::width][kFours][4];
+
+  PSIM_INLINE void put(std::size_t four, F<L> a, F<L> b, F<L> c, F<L> d = 0.0f) {
+    float* at[L::width];
+    for (std::size_t k = 0; k < L::width; ++k) at[k] = of[k][four];
+    L::scatter4(at, 0, a, b, c, d);
   }
-  PSIM_INLINE Rows rows(std::size_t axis) const {
-    return {first(axis), {w[0][axis], w[1][axis], w[2][axis]}, {-1.0f - way[axis], -way[axis], 1.0f - way[axis]}};
+  PSIM_INLINE void put(std::size_t four, const F<L> (&three)[3]) { put(four, three[0], three[1], three[2]); }
+  PSIM_INLINE void get(std::size_t four, F<L>& a, F<L>& b, F<L>& c, F<L>& d) const {
+    const float* at[L::width];
+    for (std::size_t k = 0; k < L::width; ++k) at[k] = of[k][four];
+    L::gather4(at, 0, a, b, c, d);
   }
 };
 
-/// The derivatives of the weights by the particle's place.
+/// For each particle the number of the first of nine nodes.
 template <class L>
-PSIM_INLINE inline Four<L> slopes_of(const Spline<L>& s) {
-  return s.ways * Four<L>(-1, 2, -1, 0) + Four<L>(-1.5f, 0, 1.5f, 0);
-}
-PSIM_INLINE inline float slope_of(const Rows& r, std::size_t row) {
-  return row == 1 ? 2 * r.way[1] : row == 0 ? -1.5f - r.way[0] : 1.5f - r.way[2];
-}
+struct FirstNodes {
+  alignas(32) float of[L::width];
 
-/// Adds mass and momentum of one component of the velocity to nine nodes.
+  PSIM_INLINE FirstNodes(const Axis<L>& x, const Axis<L>& y, std::int32_t pitch) {
+    L::store(of, y.middle * F<L>(static_cast<float>(pitch)) + x.middle);
+  }
+  PSIM_INLINE std::size_t operator[](std::size_t lane) const {
+    return static_cast<std::size_t>(static_cast<std::int32_t>(of[lane]));
+  }
+};
+
+/// Adds mass and momentum of one component of the velocity to nine nodes. `weights`: of the columns; `ways`: to them.
+/// `rows`: their masses, and the velocity; `across`: what it gains up to them, and by a column.
 template <class L>
-PSIM_INLINE inline void give(const Spline<L>& sx, const Rows& sy, float mass, float value, float by_x, float by_y,
+PSIM_INLINE inline void give(const float* weights, const float* ways, const float* rows, const float* across,
                              float* masses, float* momenta) {
-  const std::size_t first = tile_node(sx.first, sy.first);
-  const Four<L> row = Four<L>(value) + Four<L>(by_x) * sx.ways;
-  for (std::size_t b = 0; b < 3; ++b) {
-    float *m = masses + first + b * kTilePitch, *p = momenta + first + b * kTilePitch;
-    const Four<L> w = Four<L>(mass * sy.w[b]) * sx.w;
-    store(m, Four<L>::load(m) + w);
-    store(p, Four<L>::load(p) + w * (row + Four<L>(by_y * sy.way[b])));
+  const Four<L> columns = Four<L>::load(weights);
+  const Four<L> row = Four<L>(rows[3]) + Four<L>(across[3]) * Four<L>::load(ways);
+  for (std::size_t b = 0; b < 3; ++b, masses += kTilePitch, momenta += kTilePitch) {
+    const Four<L> w = Four<L>(rows[b]) * columns;
+    store(masses, Four<L>::load(masses) + w);
+    store(momenta, Four<L>::load(momenta) + w * (row + Four<L>(across[b])));
   }
 }
 
-/// Adds an amount to nine nodes.
+/// Adds an amount to nine nodes. `rows`: what is each row's.
 template <class L, std::int32_t kPitch>
-PSIM_INLINE inline void give(const Spline<L>& sx, const Rows& sy, float amount, float* node) {
+PSIM_INLINE inline void give(const float* weights, const float* rows, float* node) {
+  const Four<L> columns = Four<L>::load(weights);
   for (std::size_t b = 0; b < 3; ++b, node += kPitch) {
-    store(node, Four<L>::load(node) + Four<L>(amount * sy.w[b]) * sx.w);
+    store(node, Four<L>::load(node) + Four<L>(rows[b]) * columns);
   }
 }
-
-/// Where a particle is among the nodes of a tile: on whole numbers (x0, y0), half-way (xh, yh), on the fine grid (xf, yf).
-template <class L>
-struct Place {
-  Spline<L> x0, xh, xf;
-  Rows y0, yh, yf;
-
-  PSIM_INLINE explicit Place(const FluidParticle& p) {
-    const Splines<L> cells({p.x, p.x, p.y, p.y}, {0, 0.5f, 0, 0.5f});
-    cells.columns(0, x0, 1, xh);
-    y0 = cells.rows(2);
-    yh = cells.rows(3);
-    const Splines<L> fine({2 * p.x, 2 * p.x, 2 * p.y, 2 * p.y}, 0.5f);
-    fine.columns(0, xf, 0, xf);
-    yf = fine.rows(2);
-  }
-};
 
 /// Adds particles to the sums of their tile.
 template <class L>
 void scatter_fluid(const FluidParticle* particles, std::size_t count, const FluidMotion& motion, const FluidSums& to) {
-  const float push = motion.dt * motion.history;
-  const float fall_x = motion.dt * motion.gravity_x, fall_y = motion.dt * motion.gravity_y;
-  for (std::size_t k = 0; k < count; ++k) {
-    const FluidParticle& p = particles[k];
-    const Place<L> at(p);
-    const float mass = motion.mass[p.fluid], volume = motion.volume[p.fluid];
-    const float u = p.u + (fall_x + push * p.push_x), v = p.v + (fall_y + push * p.push_y);
-    give<L>(at.x0, at.yh, mass, u, p.ux * motion.cell_x, p.uy * motion.cell_y, to.mass_u, to.momentum_u);
-    give<L>(at.xh, at.y0, mass, v, p.vx * motion.cell_x, p.vy * motion.cell_y, to.mass_v, to.momentum_v);
-    give<L, kTilePitch>(at.xh, at.yh, volume, to.volume + tile_node(at.xh.first, at.yh.first));
-    give<L, kFinePitch>(at.xf, at.yf, 4 * volume, to.fine + fine_node(at.xf.first, at.yf.first));
+  enum { kX0, kX0Ways, kXh, kXhWays, kXf, kRowsU, kAcrossU, kRowsV, kAcrossV, kRowsVolume, kRowsFine, kFours };
+  const F<L> push = motion.dt * motion.history;
+  const F<L> fall_x = motion.dt * motion.gravity_x, fall_y = motion.dt * motion.gravity_y;
+  const FluidParticle spare = {};
+  Fours<L, kFours> fours;
+  for (std::size_t k = 0; k < count; k += L::width) {
+    const std::size_t lanes = count - k < L::width ? count - k : L::width;
+    const float* of[L::width];
+    point_at<L>(particles + k, lanes, spare, of);
+    alignas(32) float masses[L::width] = {}, volumes[L::width] = {};
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      masses[lane] = motion.mass[particles[k + lane].fluid];
+      volumes[lane] = motion.volume[particles[k + lane].fluid];
+    }
+    F<L> x, y, u, v, push_x, push_y, ux, uy, vx, vy;
+    L::gather4(of, kPlaceAndVelocity, x, y, u, v);
+    L::gather4(of, kPushAndGradientU, push_x, push_y, ux, uy);
+    L::gather4(of, kGradient, ux, uy, vx, vy);
+    u = u + (fall_x + push * push_x);
+    v = v + (fall_y + push * push_y);
+    const F<L> by_y_of_u = uy * F<L>(motion.cell_y), by_y_of_v = vy * F<L>(motion.cell_y);
+    const F<L> mass = L::load(masses), volume = L::load(volumes), fine = F<L>(4.0f) * volume;
+
+    const Places<L> at(x, y);
+    const F<L>(&w0)[3] = at.y0.w, (&wh)[3] = at.yh.w, (&wf)[3] = at.yf.w;
+    fours.put(kX0, at.x0.w);
+    fours.put(kX0Ways, at.x0.ways);
+    fours.put(kXh, at.xh.w);
+    fours.put(kXhWays, at.xh.ways);
+    fours.put(kXf, at.xf.w);
+    fours.put(kRowsU, mass * wh[0], mass * wh[1], mass * wh[2], u);
+    fours.put(kAcrossU, by_y_of_u * at.yh.ways[0], by_y_of_u * at.yh.ways[1], by_y_of_u * at.yh.ways[2],
+              ux * F<L>(motion.cell_x));
+    fours.put(kRowsV, mass * w0[0], mass * w0[1], mass * w0[2], v);
+    fours.put(kAcrossV, by_y_of_v * at.y0.ways[0], by_y_of_v * at.y0.ways[1], by_y_of_v * at.y0.ways[2],
+              vx * F<L>(motion.cell_x));
+    fours.put(kRowsVolume, volume * wh[0], volume * wh[1], volume * wh[2]);
+    fours.put(kRowsFine, fine * wf[0], fine * wf[1], fine * wf[2]);
+    const FirstNodes<L> of_u(at.x0, at.yh, kTilePitch), of_v(at.xh, at.y0, kTilePitch),
+        middle(at.xh, at.yh, kTilePitch);
+    const FirstNodes<L> of_fine(at.xf, at.yf, kFinePitch);
+
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      const auto& f = fours.of[lane];
+      const std::size_t nu = of_u[lane], nv = of_v[lane];
+      give<L>(f[kX0], f[kX0Ways], f[kRowsU], f[kAcrossU], to.mass_u + nu, to.momentum_u + nu);
+      give<L>(f[kXh], f[kXhWays], f[kRowsV], f[kAcrossV], to.mass_v + nv, to.momentum_v + nv);
+      give<L, kTilePitch>(f[kXh], f[kRowsVolume], to.volume + middle[lane]);
+      give<L, kFinePitch>(f[kXf], f[kRowsFine], to.fine + of_fine[lane]);
+    }
   }
 }
 
-/// Three rows of a field, by weights.
+/// The sum of three rows of nodes, each by its weight.
 template <class L, std::int32_t kPitch>
-PSIM_INLINE inline Four<L> rows(const float* node, float a, float b, float c) {
-  return (Four<L>(a) * Four<L>::load(node) + Four<L>(b) * Four<L>::load(node + kPitch)) +
-         Four<L>(c) * Four<L>::load(node + 2 * kPitch);
-}
-/// The rows by their weights.
-template <class L>
-PSIM_INLINE inline Four<L> rows_at(const float* field, const Spline<L>& sx, const Rows& sy) {
-  return rows<L, kTilePitch>(field + tile_node(sx.first, sy.first), sy.w[0], sy.w[1], sy.w[2]);
-}
-/// The rows by the derivatives of their weights.
-template <class L, std::int32_t kPitch>
-PSIM_INLINE inline Four<L> rows_across(const float* node, const Rows& sy) {
-  return rows<L, kPitch>(node, slope_of(sy, 0), slope_of(sy, 1), slope_of(sy, 2));
-}
-
-/// What a component of the velocity is at a particle, by a cell its gradient, and what it gained.
-struct Speed {
-  float value, by_x, by_y, gain;
-};
-/// The gradient is 4 (sum of w f d), d from the particle to the node: that of an affine field.
-template <class L>
-PSIM_INLINE inline Speed speed_at(const float* speed, const float* gain, const Spline<L>& sx, const Rows& sy) {
-  const Four<L> along = sx.w * rows_at<L>(speed, sx, sy);
-  const Four<L> across = rows<L, kTilePitch>(speed + tile_node(sx.first, sy.first), sy.w[0] * sy.way[0],
-                                             sy.w[1] * sy.way[1], sy.w[2] * sy.way[2]);
-  float s[4];
-  store(s, sums(along, sx.ways * along, sx.w * across, sx.w * rows_at<L>(gain, sx, sy)));
-  return {s[0], 4 * s[1], 4 * s[2], s[3]};
+PSIM_INLINE inline Four<L> sum_rows(const float* node, const float* w) {
+  return (Four<L>(w[0]) * Four<L>::load(node) + Four<L>(w[1]) * Four<L>::load(node + kPitch)) +
+         Four<L>(w[2]) * Four<L>::load(node + 2 * kPitch);
 }
 
 /// How steep the share of fluid is at a surface, by a cell.
@@ -165,65 +174,137 @@ inline constexpr float kSurface = 0.1f;
 /// The longest way out of a dense place in a step, spacings.
 inline constexpr float kLongestSpread = 0.2f;
 
-/// Takes from the gradient (by_x, by_y) what points out of the surface.
-template <class L>
-PSIM_INLINE inline void keep_along_surface(const float* fill, const Place<L>& at, float& by_x, float& by_y) {
-  const Four<L> none = 0.0f, along = rows_at<L>(fill, at.xh, at.yh);
-  const Four<L> across = rows_across<L, kTilePitch>(fill + tile_node(at.xh.first, at.yh.first), at.yh);
-  float n[4];
-  store(n, sums(slopes_of<L>(at.xh) * along, at.xh.w * across, none, none));
-  const float steep = n[0] * n[0] + n[1] * n[1];
+/// Takes from the gradient (by_x, by_y) what points out of the surface. (n_x, n_y): the gradient of the share of fluid.
+PSIM_INLINE inline void keep_along_surface(float n_x, float n_y, float& by_x, float& by_y) {
+  const float steep = n_x * n_x + n_y * n_y;
   if (!(steep > kSurface * kSurface)) return;
-  const float normal = (by_x * n[0] + by_y * n[1]) / steep;
-  by_x -= normal * n[0];
-  by_y -= normal * n[1];
+  const float normal = (by_x * n_x + by_y * n_y) / steep;
+  by_x -= normal * n_x;
+  by_y -= normal * n_y;
+}
+
+/// What gather_fluid needs to know of where a particle is, and what it finds there.
+struct GatherFours {
+  enum {
+    kX0,
+    kX0Ways,
+    kXh,
+    kXhWays,
+    kXhSlopes,
+    kXf,
+    kXfSlopes,
+    kY0,
+    kAcross0,
+    kYh,
+    kAcrossH,
+    kYhSlopes,
+    kYf,
+    kYfSlopes
+  };
+  enum { kSpeedU = kYfSlopes + 1, kSpeedV, kShift, kDrag, kFours };
+};
+
+/// Sums over the nodes of the particle in a lane: of each component the velocity, by_x / 4 and by_y / 4 of it, and what
+/// it gained; the displacement, and the gradient of the number of particles by a spacing; what viscosity gave.
+template <class L>
+PSIM_INLINE inline void take(const FluidFields& from, std::size_t of_u, std::size_t of_v, std::size_t middle,
+                             std::size_t of_fine, float (&f)[GatherFours::kFours][4]) {
+  using G = GatherFours;
+  const Four<L> x0 = Four<L>::load(f[G::kX0]), xh = Four<L>::load(f[G::kXh]), xf = Four<L>::load(f[G::kXf]);
+  const auto rows = [](const float* node, const float* w)
+                        PSIM_INLINE_LAMBDA { return sum_rows<L, kTilePitch>(node, w); };
+  const Four<L> along_u = x0 * rows(from.u + of_u, f[G::kYh]), along_v = xh * rows(from.v + of_v, f[G::kY0]);
+  store(f[G::kSpeedU], sums(along_u, Four<L>::load(f[G::kX0Ways]) * along_u, x0 * rows(from.u + of_u, f[G::kAcrossH]),
+                            x0 * rows(from.gain_u + of_u, f[G::kYh])));
+  store(f[G::kSpeedV], sums(along_v, Four<L>::load(f[G::kXhWays]) * along_v, xh * rows(from.v + of_v, f[G::kAcross0]),
+                            xh * rows(from.gain_v + of_v, f[G::kY0])));
+  store(f[G::kShift], sums(x0 * rows(from.shift_u + of_u, f[G::kYh]), xh * rows(from.shift_v + of_v, f[G::kY0]),
+                           Four<L>::load(f[G::kXfSlopes]) * sum_rows<L, kFinePitch>(from.fine + of_fine, f[G::kYf]),
+                           xf * sum_rows<L, kFinePitch>(from.fine + of_fine, f[G::kYfSlopes])));
+  const Four<L> none = 0.0f;
+  if (from.edge[middle + tile_node(0, 0)] != 0) {
+    const float* fill = from.volume + middle;
+    float n[4];
+    store(n,
+          sums(Four<L>::load(f[G::kXhSlopes]) * rows(fill, f[G::kYh]), xh * rows(fill, f[G::kYhSlopes]), none, none));
+    keep_along_surface(n[0], n[1], f[G::kShift][2], f[G::kShift][3]);
+  }
+  if (from.drag_u != nullptr) {
+    store(f[G::kDrag],
+          sums(x0 * rows(from.drag_u + of_u, f[G::kYh]), xh * rows(from.drag_v + of_v, f[G::kY0]), none, none));
+  }
 }
 
 /// Gives particles their new velocities, and moves them where the density is even.
 template <class L>
 void gather_fluid(FluidParticle* particles, std::size_t count, const FluidMotion& motion, const FluidFields& from) {
-  const float dt = motion.dt, per_dt = 1 / dt;
-  const float fall_x = dt * motion.gravity_x, fall_y = dt * motion.gravity_y;
-  for (std::size_t k = 0; k < count; ++k) {
-    FluidParticle& p = particles[k];
-    const Place<L> at(p);
-    const Speed u = speed_at<L>(from.u, from.gain_u, at.x0, at.yh), v = speed_at<L>(from.v, from.gain_v, at.xh, at.y0);
-    const float* fine = from.fine + fine_node(at.xf.first, at.yf.first);
-    const Four<L> fine_along = rows<L, kFinePitch>(fine, at.yf.w[0], at.yf.w[1], at.yf.w[2]);
-    const Four<L> fine_across = rows_across<L, kFinePitch>(fine, at.yf);
-    float s[4];  // shift, and the gradient of the number of particles by a spacing
-    store(s, sums(at.x0.w * rows_at<L>(from.shift_u, at.x0, at.yh), at.xh.w * rows_at<L>(from.shift_v, at.xh, at.y0),
-                  slopes_of<L>(at.xf) * fine_along, at.xf.w * fine_across));
-    float gain_u = u.gain, gain_v = v.gain;
-    if (from.drag_u != nullptr) {
-      float drag[4];
-      const Four<L> none = 0.0f;
-      store(drag, sums(at.x0.w * rows_at<L>(from.drag_u, at.x0, at.yh), at.xh.w * rows_at<L>(from.drag_v, at.xh, at.y0),
-                       none, none));
-      gain_u += drag[0];
-      gain_v += drag[1];
+  using G = GatherFours;
+  const F<L> dt = motion.dt, per_dt = 1 / motion.dt, history = motion.history, calming = motion.calming;
+  const F<L> fall_x = motion.dt * motion.gravity_x, fall_y = motion.dt * motion.gravity_y;
+  FluidParticle spare = {};
+  Fours<L, G::kFours> fours = {};
+  for (std::size_t k = 0; k < count; k += L::width) {
+    const std::size_t lanes = count - k < L::width ? count - k : L::width;
+    float* of[L::width];
+    point_at<L>(particles + k, lanes, spare, of);
+    F<L> x, y, u, v, push_x, push_y, ux, uy, vx, vy;
+    L::gather4(of, kPlaceAndVelocity, x, y, u, v);
+    L::gather4(of, kPushAndGradientU, push_x, push_y, ux, uy);
+
+    const Places<L> at(x, y);
+    fours.put(G::kX0, at.x0.w);
+    fours.put(G::kX0Ways, at.x0.ways);
+    fours.put(G::kXh, at.xh.w);
+    fours.put(G::kXhWays, at.xh.ways);
+    fours.put(G::kXhSlopes, at.xh.slope(0), at.xh.slope(1), at.xh.slope(2));
+    fours.put(G::kXf, at.xf.w);
+    fours.put(G::kXfSlopes, at.xf.slope(0), at.xf.slope(1), at.xf.slope(2));
+    fours.put(G::kY0, at.y0.w);
+    fours.put(G::kAcross0, at.y0.w[0] * at.y0.ways[0], at.y0.w[1] * at.y0.ways[1], at.y0.w[2] * at.y0.ways[2]);
+    fours.put(G::kYh, at.yh.w);
+    fours.put(G::kAcrossH, at.yh.w[0] * at.yh.ways[0], at.yh.w[1] * at.yh.ways[1], at.yh.w[2] * at.yh.ways[2]);
+    fours.put(G::kYhSlopes, at.yh.slope(0), at.yh.slope(1), at.yh.slope(2));
+    fours.put(G::kYf, at.yf.w);
+    fours.put(G::kYfSlopes, at.yf.slope(0), at.yf.slope(1), at.yf.slope(2));
+    const FirstNodes<L> of_u(at.x0, at.yh, kTilePitch), of_v(at.xh, at.y0, kTilePitch),
+        middle(at.xh, at.yh, kTilePitch);
+    const FirstNodes<L> of_fine(at.xf, at.yf, kFinePitch);
+    for (std::size_t lane = 0; lane < lanes; ++lane) {
+      take<L>(from, of_u[lane], of_v[lane], middle[lane], of_fine[lane], fours.of[lane]);
     }
-    const float felt_x = motion.history * p.push_x, felt_y = motion.history * p.push_y;
-    const float old_u = p.u + (fall_x + dt * felt_x), old_v = p.v + (fall_y + dt * felt_y);
-    p.ux = u.by_x * motion.per_cell_x;
-    p.uy = u.by_y * motion.per_cell_y;
-    p.vx = v.by_x * motion.per_cell_x;
-    p.vy = v.by_y * motion.per_cell_y;
-    p.push_x = felt_x + u.gain * per_dt;
-    p.push_y = felt_y + v.gain * per_dt;
-    float by_x = s[2], by_y = s[3];
-    if (from.edge[tile_node(at.xh.first + 1, at.yh.first + 1)] != 0) keep_along_surface<L>(from.volume, at, by_x, by_y);
-    const float shear = p.uy + p.vx;
-    const float strain = dt * sqrtf(p.ux * p.ux + p.vy * p.vy + 0.5f * (shear * shear)) * motion.strain;
-    const float spreading = strain < 1 ? motion.spreading * strain : motion.spreading;
-    const float way = spreading * sqrtf(by_x * by_x + by_y * by_y);
-    const float spread = way > kLongestSpread ? spreading * (kLongestSpread / way) : spreading;
-    const float shift_x = s[0] - 0.5f * spread * by_x * motion.cell_x;
-    const float shift_y = s[1] - 0.5f * spread * by_y * motion.cell_y;
-    p.u = old_u + gain_u - motion.calming * (old_u - (u.value - gain_u)) + (p.ux * shift_x + p.uy * shift_y);
-    p.v = old_v + gain_v - motion.calming * (old_v - (v.value - gain_v)) + (p.vx * shift_x + p.vy * shift_y);
-    p.x += shift_x * motion.per_cell_x;
-    p.y += shift_y * motion.per_cell_y;
+
+    F<L> u_here, v_here, gain_u, gain_v, shift_x, shift_y, by_x, by_y;
+    fours.get(G::kSpeedU, u_here, ux, uy, gain_u);
+    fours.get(G::kSpeedV, v_here, vx, vy, gain_v);
+    fours.get(G::kShift, shift_x, shift_y, by_x, by_y);
+    const F<L> felt_x = history * push_x, felt_y = history * push_y;
+    const F<L> old_u = u + (fall_x + dt * felt_x), old_v = v + (fall_y + dt * felt_y);
+    push_x = felt_x + gain_u * per_dt;
+    push_y = felt_y + gain_v * per_dt;
+    if (from.drag_u != nullptr) {
+      F<L> drag_u, drag_v, nothing, zero;
+      fours.get(G::kDrag, drag_u, drag_v, nothing, zero);
+      gain_u += drag_u;
+      gain_v += drag_v;
+    }
+    // The gradient is 4 (sum of w f d), d from the particle to the node: that of an affine field.
+    const F<L> four = 4.0f, per_cell_x = motion.per_cell_x, per_cell_y = motion.per_cell_y;
+    ux = (four * ux) * per_cell_x;
+    uy = (four * uy) * per_cell_y;
+    vx = (four * vx) * per_cell_x;
+    vy = (four * vy) * per_cell_y;
+    const F<L> shear = uy + vx, half = 0.5f, most = motion.spreading, longest = kLongestSpread;
+    const F<L> strain = dt * sqrt(ux * ux + vy * vy + half * (shear * shear)) * F<L>(motion.strain);
+    const F<L> spreading = select(strain < F<L>(1.0f), most * strain, most);
+    const F<L> way = spreading * sqrt(by_x * by_x + by_y * by_y);
+    const F<L> spread = select(longest < way, spreading * (longest / way), spreading);
+    shift_x -= half * spread * by_x * F<L>(motion.cell_x);
+    shift_y -= half * spread * by_y * F<L>(motion.cell_y);
+    u = old_u + gain_u - calming * (old_u - (u_here - gain_u)) + (ux * shift_x + uy * shift_y);
+    v = old_v + gain_v - calming * (old_v - (v_here - gain_v)) + (vx * shift_x + vy * shift_y);
+    L::scatter4(of, kPlaceAndVelocity, x + shift_x * per_cell_x, y + shift_y * per_cell_y, u, v);
+    L::scatter4(of, kPushAndGradientU, push_x, push_y, ux, uy);
+    L::scatter4(of, kGradient, ux, uy, vx, vy);
   }
 }
 

@@ -2,8 +2,6 @@
 // four_sse.h, four_neon.h and four_wasm.h have the same in one register.
 #pragma once
 
-#include <math.h>  // <cmath> would add inline functions, whose code linkers share between instruction sets
-
 namespace psim::kernels {
 namespace {
 
@@ -19,21 +17,6 @@ struct ScalarFour {
   }
   friend ScalarFour operator+(ScalarFour a, ScalarFour b) {
     return {a.v[0] + b.v[0], a.v[1] + b.v[1], a.v[2] + b.v[2], a.v[3] + b.v[3]};
-  }
-  friend ScalarFour operator-(ScalarFour a, ScalarFour b) {
-    return {a.v[0] - b.v[0], a.v[1] - b.v[1], a.v[2] - b.v[2], a.v[3] - b.v[3]};
-  }
-  /// The largest whole numbers that are no larger.
-  friend ScalarFour floor(ScalarFour a) {
-    return {::floorf(a.v[0]), ::floorf(a.v[1]), ::floorf(a.v[2]), ::floorf(a.v[3])};
-  }
-  /// Rows become columns.
-  friend void transpose(ScalarFour& a, ScalarFour& b, ScalarFour& c, ScalarFour& d) {
-    const ScalarFour p = a, q = b, r = c, s = d;
-    a = {p.v[0], q.v[0], r.v[0], s.v[0]};
-    b = {p.v[1], q.v[1], r.v[1], s.v[1]};
-    c = {p.v[2], q.v[2], r.v[2], s.v[2]};
-    d = {p.v[3], q.v[3], r.v[3], s.v[3]};
   }
   friend ScalarFour operator*(ScalarFour a, ScalarFour b) {
     return {a.v[0] * b.v[0], a.v[1] * b.v[1], a.v[2] * b.v[2], a.v[3] * b.v[3]};

@@ -12,13 +12,9 @@ struct SseFour {
   SseFour() = default;
   SseFour(float all) : v(_mm_set1_ps(all)) {}
   SseFour(__m128 a) : v(a) {}
-  SseFour(float a, float b, float c, float d) : v(_mm_setr_ps(a, b, c, d)) {}
   static SseFour load(const float* p) { return _mm_loadu_ps(p); }
   friend void store(float* p, SseFour a) { _mm_storeu_ps(p, a.v); }
   friend SseFour operator+(SseFour a, SseFour b) { return _mm_add_ps(a.v, b.v); }
-  friend SseFour operator-(SseFour a, SseFour b) { return _mm_sub_ps(a.v, b.v); }
-  friend SseFour floor(SseFour a) { return _mm_floor_ps(a.v); }
-  friend void transpose(SseFour& a, SseFour& b, SseFour& c, SseFour& d) { _MM_TRANSPOSE4_PS(a.v, b.v, c.v, d.v); }
   friend SseFour operator*(SseFour a, SseFour b) { return _mm_mul_ps(a.v, b.v); }
   friend SseFour sums(SseFour a, SseFour b, SseFour c, SseFour d) {
     return _mm_hadd_ps(_mm_hadd_ps(a.v, b.v), _mm_hadd_ps(c.v, d.v));

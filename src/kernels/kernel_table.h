@@ -84,6 +84,7 @@ struct KernelTable {
   void (*begin_fluid)(const FluidLevel&, const float* right, float first, float second, float* x);
   double (*smooth_fluid)(const FluidLevel&, const float* right, float weight, const float* x, float* to);
   void (*fluid_residual)(const FluidLevel&, const float* right, const float* x, float* residual);
+  void (*prolong_fluid)(const FluidLevel&, const float* coarse, float* x);
   double (*turn_fluid)(const FluidLevel&, const float* z, float share, float* way, float* change);
   float (*advance_fluid)(float step, const float* way, const float* change, float* x, float* residual);
 };

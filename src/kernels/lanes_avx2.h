@@ -79,6 +79,7 @@ struct AvxLanes {
   friend F& operator-=(F& a, F b) { return a = a - b; }
   friend F sqrt(F a) { return _mm256_sqrt_ps(a.v); }
   friend F abs(F a) { return _mm256_andnot_ps(_mm256_set1_ps(-0.0f), a.v); }
+  friend F floor(F a) { return _mm256_floor_ps(a.v); }
   friend F min(F a, F b) { return _mm256_min_ps(a.v, b.v); }
   friend F max(F a, F b) { return _mm256_max_ps(a.v, b.v); }
   friend M operator<(F a, F b) { return {_mm256_cmp_ps(a.v, b.v, _CMP_LT_OS)}; }
@@ -131,6 +132,16 @@ struct AvxLanes {
     b = _mm256_shuffle_ps(pq_low, rs_low, 0xEE);
     c = _mm256_shuffle_ps(pq_high, rs_high, 0x44);
     d = _mm256_shuffle_ps(pq_high, rs_high, 0xEE);
+  }
+  PSIM_INLINE static void scatter4(float* const* at, std::size_t offset, F a, F b, F c, F d) {
+    const __m256 ab_low = _mm256_unpacklo_ps(a.v, b.v), ab_high = _mm256_unpackhi_ps(a.v, b.v);
+    const __m256 cd_low = _mm256_unpacklo_ps(c.v, d.v), cd_high = _mm256_unpackhi_ps(c.v, d.v);
+    const __m256 lanes[4] = {_mm256_shuffle_ps(ab_low, cd_low, 0x44), _mm256_shuffle_ps(ab_low, cd_low, 0xEE),
+                             _mm256_shuffle_ps(ab_high, cd_high, 0x44), _mm256_shuffle_ps(ab_high, cd_high, 0xEE)};
+    for (int k = 0; k < 4; ++k) {  // lanes k and k + 4
+      _mm_storeu_ps(at[k] + offset, _mm256_castps256_ps128(lanes[k]));
+      _mm_storeu_ps(at[k + 4] + offset, _mm256_extractf128_ps(lanes[k], 1));
+    }
   }
   template <int Step>
   PSIM_INLINE static void scatter(float* rec, const std::uint32_t* slots, F x, F y) {

@@ -77,6 +77,7 @@ struct NeonLanes {
   friend F& operator-=(F& a, F b) { return a = a - b; }
   friend F sqrt(F a) { return vsqrtq_f32(a.v); }
   friend F abs(F a) { return vabsq_f32(a.v); }
+  friend F floor(F a) { return vrndmq_f32(a.v); }
   // vminq and vmaxq give a NaN where one of two is one, and -0 for the lesser of two zeros.
   friend F min(F a, F b) { return vbslq_f32(vcltq_f32(a.v, b.v), a.v, b.v); }
   friend F max(F a, F b) { return vbslq_f32(vcgtq_f32(a.v, b.v), a.v, b.v); }
@@ -133,6 +134,14 @@ struct NeonLanes {
     b = vzip2q_f32(pr_low, qs_low);
     c = vzip1q_f32(pr_high, qs_high);
     d = vzip2q_f32(pr_high, qs_high);
+  }
+  PSIM_INLINE static void scatter4(float* const* at, std::size_t offset, F a, F b, F c, F d) {
+    const float32x4_t ac_low = vzip1q_f32(a.v, c.v), ac_high = vzip2q_f32(a.v, c.v);  // a0 c0 a1 c1 | a2 c2 a3 c3
+    const float32x4_t bd_low = vzip1q_f32(b.v, d.v), bd_high = vzip2q_f32(b.v, d.v);
+    vst1q_f32(at[0] + offset, vzip1q_f32(ac_low, bd_low));
+    vst1q_f32(at[1] + offset, vzip2q_f32(ac_low, bd_low));
+    vst1q_f32(at[2] + offset, vzip1q_f32(ac_high, bd_high));
+    vst1q_f32(at[3] + offset, vzip2q_f32(ac_high, bd_high));
   }
   template <int Step>
   PSIM_INLINE static void scatter(float* rec, const std::uint32_t* slots, F x, F y) {

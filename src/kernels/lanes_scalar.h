@@ -76,6 +76,7 @@ struct ScalarLanes {
   friend F& operator-=(F& a, F b) { return a = a - b; }
   friend F sqrt(F a) { return ::sqrtf(a.v); }
   friend F abs(F a) { return ::fabsf(a.v); }
+  friend F floor(F a) { return ::floorf(a.v); }
   friend F min(F a, F b) { return a.v < b.v ? a.v : b.v; }  // b where one is a NaN
   friend F max(F a, F b) { return a.v > b.v ? a.v : b.v; }
   friend M operator<(F a, F b) { return {a.v < b.v}; }
@@ -122,10 +123,15 @@ struct ScalarLanes {
     x = I{p[0]};
     y = I{p[1]};
   }
-  /// Four floats in a row of every lane, from at[lane] + offset.
+  /// Four floats in a row of every lane, from at[lane] + offset, into four different registers.
   PSIM_INLINE static void gather4(const float* const* at, std::size_t offset, F& a, F& b, F& c, F& d) {
     const float* p = at[0] + offset;
     a = p[0], b = p[1], c = p[2], d = p[3];
+  }
+  /// The reverse of gather4.
+  PSIM_INLINE static void scatter4(float* const* at, std::size_t offset, F a, F b, F c, F d) {
+    float* p = at[0] + offset;
+    p[0] = a.v, p[1] = b.v, p[2] = c.v, p[3] = d.v;
   }
   template <int Step>
   PSIM_INLINE static void scatter(float* rec, const std::uint32_t* slots, F x, F y) {

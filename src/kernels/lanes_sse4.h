@@ -78,6 +78,7 @@ struct SseLanes {
   friend F& operator-=(F& a, F b) { return a = a - b; }
   friend F sqrt(F a) { return _mm_sqrt_ps(a.v); }
   friend F abs(F a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a.v); }
+  friend F floor(F a) { return _mm_floor_ps(a.v); }
   friend F min(F a, F b) { return _mm_min_ps(a.v, b.v); }
   friend F max(F a, F b) { return _mm_max_ps(a.v, b.v); }
   friend M operator<(F a, F b) { return {_mm_cmplt_ps(a.v, b.v)}; }
@@ -122,6 +123,10 @@ struct SseLanes {
   PSIM_INLINE static void gather4(const float* const* at, std::size_t offset, F& a, F& b, F& c, F& d) {
     a = load(at[0] + offset), b = load(at[1] + offset), c = load(at[2] + offset), d = load(at[3] + offset);
     _MM_TRANSPOSE4_PS(a.v, b.v, c.v, d.v);
+  }
+  PSIM_INLINE static void scatter4(float* const* at, std::size_t offset, F a, F b, F c, F d) {
+    _MM_TRANSPOSE4_PS(a.v, b.v, c.v, d.v);
+    store(at[0] + offset, a), store(at[1] + offset, b), store(at[2] + offset, c), store(at[3] + offset, d);
   }
   template <int Step>
   PSIM_INLINE static void gather_int(const std::int32_t* rec, const std::uint32_t* slots, I& x, I& y) {

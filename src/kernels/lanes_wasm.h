@@ -76,6 +76,7 @@ struct WasmLanes {
   friend F& operator-=(F& a, F b) { return a = a - b; }
   friend F sqrt(F a) { return wasm_f32x4_sqrt(a.v); }
   friend F abs(F a) { return wasm_f32x4_abs(a.v); }
+  friend F floor(F a) { return wasm_f32x4_floor(a.v); }
   friend F min(F a, F b) { return wasm_f32x4_pmin(b.v, a.v); }
   friend F max(F a, F b) { return wasm_f32x4_pmax(b.v, a.v); }
   friend M operator<(F a, F b) { return {wasm_f32x4_lt(a.v, b.v)}; }
@@ -121,6 +122,13 @@ struct WasmLanes {
     const v128_t pq_low = low(p.v, q.v), pq_high = high(p.v, q.v), rs_low = low(r.v, s.v), rs_high = high(r.v, s.v);
     a = wasm_i64x2_shuffle(pq_low, rs_low, 0, 2), b = wasm_i64x2_shuffle(pq_low, rs_low, 1, 3);
     c = wasm_i64x2_shuffle(pq_high, rs_high, 0, 2), d = wasm_i64x2_shuffle(pq_high, rs_high, 1, 3);
+  }
+  [[gnu::always_inline]] static void scatter4(float* const* at, std::size_t offset, F a, F b, F c, F d) {
+    const v128_t ab_low = low(a.v, b.v), ab_high = high(a.v, b.v), cd_low = low(c.v, d.v), cd_high = high(c.v, d.v);
+    wasm_v128_store(at[0] + offset, wasm_i64x2_shuffle(ab_low, cd_low, 0, 2));
+    wasm_v128_store(at[1] + offset, wasm_i64x2_shuffle(ab_low, cd_low, 1, 3));
+    wasm_v128_store(at[2] + offset, wasm_i64x2_shuffle(ab_high, cd_high, 0, 2));
+    wasm_v128_store(at[3] + offset, wasm_i64x2_shuffle(ab_high, cd_high, 1, 3));
   }
   template <int Step>
   [[gnu::always_inline]] static void scatter(float* rec, const std::uint32_t* slots, F x, F y) {

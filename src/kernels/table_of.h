@@ -123,6 +123,7 @@ constexpr KernelTable table_of() {
       .begin_fluid = begin_fluid<L>,
       .smooth_fluid = smooth_fluid<L>,
       .fluid_residual = fluid_residual<L>,
+      .prolong_fluid = prolong_fluid<L>,
       .turn_fluid = turn_fluid<L>,
       .advance_fluid = advance_fluid<L>,
   };

@@ -84,6 +84,15 @@ void keep_between(float& x, float& speed, float low, float high) {
   }
 }
 
+// Whether a place within this tile may be beyond a wall.
+bool beside_wall(const FluidSpace& space, std::int32_t x, std::int32_t y) {
+  const auto may = [](std::int32_t tile, float wide) {
+    const auto first = static_cast<float>(kTile * tile);
+    return first < 1 + kApart || first + kTile > 1 + wide - kApart;
+  };
+  return space.boundary == Boundary::walls && (may(x, space.wide) || may(y, space.high));
+}
+
 // Keeps a particle within the walls of the world. `x`, `y`: the tile that its place is counted from.
 void keep_within(const FluidSpace& space, std::int32_t x, std::int32_t y, FluidParticle& p) {
   const auto left = static_cast<float>(kTile * x), bottom = static_cast<float>(kTile * y);
@@ -98,13 +107,17 @@ std::uint32_t sides_of(const FluidParticle& p, float wide, float high) {
   return row << 3 | (below ? row : 0u) | (above ? row << 6 : 0u);
 }
 
-// Adds the keys of the tiles at these sides of a tile.
+// Adds the keys of the tiles at these sides of a tile, but for those among the last ones: particles come tile by tile, so
+// most keys would be there again and again.
+constexpr std::ptrdiff_t kLastKeys = 16;
 void note_tiles(std::uint64_t tile, std::uint32_t sides, const FluidSpace& space, std::vector<std::uint64_t>& keys) {
   for (std::int32_t k = 0; k < 9; ++k) {
     bool there = (sides >> k & 1) != 0;
     if (!there) continue;
     const std::uint64_t key = neighbour_key(space, 0, column_of(tile) + k % 3 - 1, row_of(tile) + k / 3 - 1, there);
-    if (there) keys.push_back(key);
+    if (!there) continue;
+    const auto last = keys.end() - std::min<std::ptrdiff_t>(std::ssize(keys), kLastKeys);
+    if (std::find(last, keys.end(), key) == keys.end()) keys.push_back(key);
   }
 }
 
@@ -181,6 +194,7 @@ void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const 
   std::uint64_t from = 0;  // the tile that the particles were in
   std::int32_t from_x = 0, from_y = 0;
   float wide = 0, high = 0;
+  bool near_wall = false;
   std::span<FluidSolid> solids;
   for (std::size_t k = begin; k < end; ++k) {
     FluidParticle& p = list_[k];
@@ -197,16 +211,18 @@ void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const 
       from_y = row_of(was);
       wide = width_of(from_x, space.cells_x);
       high = width_of(from_y, space.cells_y);
+      near_wall = beside_wall(space, from_x, from_y);
       solids = bodies.there() ? bodies.around(place_in(old_keys_, was)) : std::span<FluidSolid>();
     }
-    if (walls) keep_within(space, from_x, from_y, p);
+    const auto stays = [&] { return p.x >= 0 && p.x < wide && p.y >= 0 && p.y < high; };
+    if (near_wall || (walls && !stays())) keep_within(space, from_x, from_y, p);
     if (!solids.empty()) {
       // Beyond a wall of the world a particle might pass a shape that leans against it, and come back behind it.
       keep_out_of(bodies, solids, chunks_[job].from[k - begin], bodies_moved, space, motion.mass, p, chunks_[job].hits);
       if (walls) keep_within(space, from_x, from_y, p);
     }
     std::uint64_t key = from;
-    if (!(p.x >= 0 && p.x < wide && p.y >= 0 && p.y < high)) {
+    if (!stays()) {
       std::int32_t tx = from_x, ty = from_y;
       to_tile(p.x, tx, space.cells_x, wraps);
       to_tile(p.y, ty, space.cells_y, wraps);

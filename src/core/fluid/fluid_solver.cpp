@@ -109,14 +109,8 @@ void FluidSolver::prolong(std::size_t l, std::size_t t) {
   FluidGrid& g = level(l);
   const FluidTile& tile = g.tiles[t];
   const std::int32_t i0 = kTile / 2 * (tile.x & 1), j0 = kTile / 2 * (tile.y & 1);
-  const float *e = level(l + 1).field(kSolution, tile.coarse), *d = g.field(kDiagonal, t);
-  float* x = g.field(kSolution, t);
-  for (std::int32_t j = 0; j < kTile; ++j) {
-    for (std::int32_t i = 0; i < kTile; ++i) {
-      const std::size_t n = tile_node(i, j);
-      x[n] += d[n] > 0 ? e[tile_node(i0 + i / 2, j0 + j / 2)] : 0;
-    }
-  }
+  const float* coarse = level(l + 1).field(kSolution, tile.coarse);
+  kernels_.prolong_fluid(view(g, t), coarse + j0 * kernels::kTilePitch + i0, g.field(kSolution, t));
 }
 
 void FluidSolver::cycle(std::size_t l, Field right) {

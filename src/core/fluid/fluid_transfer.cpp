@@ -114,39 +114,27 @@ void gather_particles(FluidGrid& grid, std::size_t t, FluidParticles& particles,
                       const kernels::FluidMotion& motion, bool viscous) {
   const FluidTile& tile = grid.tiles[t];
   if (tile.count == 0) return;
+  static constexpr float kNone[kTileFloats] = {};
   const auto field = [&](S::Field f) { return static_cast<const float*>(grid.field(f, t)); };
+  const auto gained = [&](S::Field f) { return tile.dry ? kNone : field(f); };
+  const auto dragged = [&](S::Field f) { return viscous && !tile.dry ? field(f) : nullptr; };
+  const S::Field u = tile.dry ? S::kU : S::kNewU, v = tile.dry ? S::kV : S::kNewV;
+  grid.pull_ring(u, t, S::kNewU, S::kU);
+  grid.pull_ring(v, t, S::kNewV, S::kV);
+  kernels::FluidMotion of_tile = motion;
   if (tile.dry) {
-    static constexpr float kNone[kTileFloats] = {};
-    grid.pull_ring(S::kU, t, S::kNewU, S::kU);
-    grid.pull_ring(S::kV, t, S::kNewV, S::kV);
-    kernels::FluidMotion alone = motion;
-    alone.spreading = 0;
-    const kernels::FluidFields from = {field(S::kU), field(S::kV), kNone,           kNone,   kNone,  kNone,
-                                       kNone,        kNone,        field(S::kFine), nullptr, nullptr};
-    return kernels.gather_fluid(particles.data() + tile.first, tile.count, alone, from);
+    of_tile.spreading = 0;
+  } else {
+    for (const S::Field f : {S::kGainU, S::kGainV, S::kShiftU, S::kShiftV, S::kDragU, S::kDragV}) {
+      if (viscous || (f != S::kDragU && f != S::kDragV)) grid.pull_ring(f, t, f, FluidGrid::kNothing);
+    }
+    grid.pull_ring(S::kFill, t, S::kFill, S::kVolume);
+    pull_fine(grid, t);
   }
-  grid.pull_ring(S::kNewU, t, S::kNewU, S::kU);
-  grid.pull_ring(S::kNewV, t, S::kNewV, S::kV);
-  for (const S::Field f : {S::kGainU, S::kGainV, S::kShiftU, S::kShiftV}) {
-    grid.pull_ring(f, t, f, FluidGrid::kNothing);
-  }
-  grid.pull_ring(S::kFill, t, S::kFill, S::kVolume);
-  if (viscous) {
-    for (const S::Field f : {S::kDragU, S::kDragV}) grid.pull_ring(f, t, f, FluidGrid::kNothing);
-  }
-  pull_fine(grid, t);
-  const kernels::FluidFields from = {field(S::kNewU),
-                                     field(S::kNewV),
-                                     field(S::kGainU),
-                                     field(S::kGainV),
-                                     field(S::kShiftU),
-                                     field(S::kShiftV),
-                                     field(S::kFill),
-                                     field(S::kEdge),
-                                     field(S::kFine),
-                                     viscous ? field(S::kDragU) : nullptr,
-                                     viscous ? field(S::kDragV) : nullptr};
-  kernels.gather_fluid(particles.data() + tile.first, tile.count, motion, from);
+  const kernels::FluidFields from = {field(u),           field(v),           gained(S::kGainU), gained(S::kGainV),
+                                     gained(S::kShiftU), gained(S::kShiftV), gained(S::kFill),  gained(S::kEdge),
+                                     field(S::kFine),    dragged(S::kDragU), dragged(S::kDragV)};
+  kernels.gather_fluid(particles.data() + tile.first, tile.count, of_tile, from);
 }
 
 }  // namespace psim
