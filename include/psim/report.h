@@ -49,9 +49,10 @@ enum class Skip : std::uint8_t {
   joints,        ///< joints
   filters,       ///< pairs that must not collide
   continuous,    ///< motion of fast bodies
+  fluid,         ///< fluids: there are none, or they lie still
 };
 /// The words for Skip, by its number.
-inline constexpr std::array<std::string_view, 16> kSkipNames = {"forces",
+inline constexpr std::array<std::string_view, 17> kSkipNames = {"forces",
                                                                 "broad_phase",
                                                                 "narrow_phase",
                                                                 "colouring",
@@ -66,7 +67,8 @@ inline constexpr std::array<std::string_view, 16> kSkipNames = {"forces",
                                                                 "manifolds",
                                                                 "joints",
                                                                 "filters",
-                                                                "continuous"};
+                                                                "continuous",
+                                                                "fluid"};
 
 /// What one step did. Values, never exceptions: bad data in a running world is quarantined and
 /// counted here.

@@ -42,9 +42,10 @@ Scene random_basin(unsigned seed) {
               std::to_string(between(0.2, 3.8)) + ", " + std::to_string(between(0, 0.9)) + R"(], "angle": )" +
               std::to_string(between(0, 6.28)) + "}";
   }
-  return parsed_scene(R"({"psim": 1, "world": {"bounds": [0, 0, 4, 3], "boundary": "walls", "gravity": [0, -9.81]},
+  return parsed_scene(
+      R"({"psim": 1, "step": {"sleeping": false}, "world": {"bounds": [0, 0, 4, 3], "boundary": "walls", "gravity": [0, -9.81]},
     "fluids": [{"region": [0, 0, 4, 1], "spacing": 0.04}], "bodies": [)" +
-                      bodies + "]}");
+      bodies + "]}");
 }
 
 // Speeds by sqrt(g spacing); most are 0.003 to 0.03. A film that is thinner than a cell, over a disc, flows for ever: 0.12. When
@@ -71,10 +72,11 @@ TEST(FluidRest, WaterBesideShapesComesToRest) {
 TEST(FluidRest, ThinWallsHoldWater) {
   for (const double thickness : {0.004, 0.02, 0.03, 0.04}) {
     for (const double left : {1.995, 2.0, 2.01, 2.02, 2.04}) {
-      const Scene scene = parsed_scene(R"({"psim": 1, "world": {"bounds": [0, 0, 4, 3], "gravity": [0, -9.81]},
+      const Scene scene = parsed_scene(
+          R"({"psim": 1, "step": {"sleeping": false}, "world": {"bounds": [0, 0, 4, 3], "gravity": [0, -9.81]},
         "fluids": [{"region": [0, 0, 1.98, 1.5], "spacing": 0.03}], "bodies": [{"type": "static",
-        "shape": {"box": {"size": [)" + std::to_string(thickness) +
-                                       R"(, 3]}}, "position": [)" + std::to_string(left + thickness / 2) + ", 1.5]}]}");
+        "shape": {"box": {"size": [)" +
+          std::to_string(thickness) + R"(, 3]}}, "position": [)" + std::to_string(left + thickness / 2) + ", 1.5]}]}");
       std::string error;
       const std::unique_ptr<World> world = build_world(scene, {}, error);
       ASSERT_NE(world, nullptr) << error;
@@ -92,12 +94,13 @@ TEST(FluidRest, ThinVesselsHoldWater) {
   for (const double x : {0.0, 0.01, 0.02, 0.03, 0.013}) {
     for (const double y : {0.0, 0.01, 0.03, 0.017}) {
       const std::string at = "[" + std::to_string(x) + ", " + std::to_string(y) + "]";
-      const Scene scene = parsed_scene(R"({"psim": 1, "world": {"bounds": [-3, -3, 3, 3], "gravity": [0, -9.81]},
+      const Scene scene = parsed_scene(
+          R"({"psim": 1, "step": {"sleeping": false}, "world": {"bounds": [-3, -3, 3, 3], "gravity": [0, -9.81]},
         "fluids": [{"spacing": 0.03, "region": [)" +
-                                       std::to_string(x - 0.45) + ", " + std::to_string(y - 0.45) + ", " +
-                                       std::to_string(x + 0.45) + ", " + std::to_string(y + 0.06) + R"(]}],
+          std::to_string(x - 0.45) + ", " + std::to_string(y - 0.45) + ", " + std::to_string(x + 0.45) + ", " +
+          std::to_string(y + 0.06) + R"(]}],
         "bodies": [{"type": "static", "position": )" +
-                                       at + R"(, "shapes": [{"box": {"size": [0.06, 1]}, "position": [-0.5, 0]},
+          at + R"(, "shapes": [{"box": {"size": [0.06, 1]}, "position": [-0.5, 0]},
           {"box": {"size": [0.06, 1]}, "position": [0.5, 0]}, {"box": {"size": [1, 0.06]}, "position": [0, -0.5]}]}]})");
       std::string error;
       const std::unique_ptr<World> world = build_world(scene, {}, error);
@@ -114,7 +117,7 @@ TEST(FluidRest, ThinVesselsHoldWater) {
 TEST(FluidRest, ABodyInAFullTankStaysThere) {
   for (const std::string boundary : {"walls", "periodic"}) {
     const Scene scene =
-        parsed_scene(R"({"psim": 1, "world": {"bounds": [0, 0, 4, 4], "gravity": [0, )" +
+        parsed_scene(R"({"psim": 1, "step": {"sleeping": false}, "world": {"bounds": [0, 0, 4, 4], "gravity": [0, )" +
                      std::string(boundary == "walls" ? "-9.81" : "0") + R"(], "boundary": ")" + boundary +
                      R"("}, "fluids": [{"region": [0, 0, 4, 4], "spacing": 0.05}],
       "bodies": [{"type": "dynamic", "position": [2, 2], "shape": {"disc": {"radius": 0.4}}, "density": 1000}]})");
@@ -142,10 +145,11 @@ TEST(FluidRest, NobodyComesBackBehindALeaningWall) {
     vx += comma + std::to_string(14 * std::sin(kLean) + 0.3);
     vy += comma + std::to_string(14 * std::cos(kLean));
   }
-  const Scene scene = parsed_scene(R"({"psim": 1, "world": {"bounds": [0, 0, 5, 3], "gravity": [0, -9.81]},
+  const Scene scene =
+      parsed_scene(R"({"psim": 1, "step": {"sleeping": false}, "world": {"bounds": [0, 0, 5, 3], "gravity": [0, -9.81]},
     "fluids": [{"layout": "explicit", "spacing": 0.03, "x": [)" +
-                                   x + R"(], "y": [)" + y + R"(], "vx": [)" + vx + R"(], "vy": [)" + vy +
-                                   R"(]}], "bodies": [{"type": "static", "position": [2, 0],
+                   x + R"(], "y": [)" + y + R"(], "vx": [)" + vx + R"(], "vy": [)" + vy +
+                   R"(]}], "bodies": [{"type": "static", "position": [2, 0],
     "angle": -0.3, "shape": {"box": {"size": [0.02, 9]}}}]})");
   std::string error;
   const std::unique_ptr<World> world = build_world(scene, {}, error);

@@ -63,10 +63,10 @@ TEST_F(CliFiles, MetricsHaveARowPerFrame) {
             "skipped_forces,skipped_broad_phase,skipped_narrow_phase,skipped_colouring,skipped_solver,"
             "skipped_solver_restitution,skipped_solver_masses,skipped_solver_friction,skipped_rotation,"
             "skipped_publish,skipped_solver_heavy_loads,skipped_events,skipped_manifolds,skipped_joints,"
-            "skipped_filters,skipped_continuous,most_sweeps,renewed,page_faults");
+            "skipped_filters,skipped_continuous,skipped_fluid,most_sweeps,renewed,page_faults");
   for (std::size_t frame = 1; frame <= 7; ++frame) {
     const std::vector<double> row = numbers_of(lines[frame]);
-    ASSERT_EQ(row.size(), 41u);
+    ASSERT_EQ(row.size(), 42u);
     EXPECT_EQ(row[35], 1) << "joints";
     EXPECT_EQ(row[0], static_cast<double>(frame));
     EXPECT_GT(row[1], 0);

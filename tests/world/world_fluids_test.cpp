@@ -86,6 +86,7 @@ TEST(WorldFluids, MoveInAWorldWithoutBodies) {
 
 TEST(WorldFluids, RestWithThePressureOfTheirWeight) {
   auto world = make(walled({0, 0, 1, 2}));
+  world->set_sleeping(false);
   fill(*world, add_fluid(*world), block({0, 0}, 20, 20));
   run(*world, 60);
   for (const FluidParticleState& p : particles(*world)) {

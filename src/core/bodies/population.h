@@ -131,6 +131,7 @@ class Population {
   Bullets bullets;
   Restraints restraints;
   AppliedForces applied;
+  std::vector<std::uint32_t> borne;  ///< bodies that lie still enough in a fluid to fall asleep, by id
   UserValues user_values;
   Traits traits;
   bool traits_changed = false;      ///< the host changed those of some body since they were counted

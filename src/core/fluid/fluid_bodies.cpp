@@ -15,6 +15,8 @@ namespace {
 constexpr float kApartFromShapes = 0.125f;  // cells: particles keep so far from shapes
 constexpr float kMostWayOut = 1.5f;         // cells: a particle within a shape goes out by so much in a step
 constexpr int kMostStops = 3;               // in a corner of several shapes
+constexpr double kSlow = 0.03;              // m/s: bodies that are not faster may fall asleep
+constexpr double kStirring = 0.1;           // weight of the last step in what stirs a body that sleeps
 
 bool by_body(const FluidSolid& a, const FluidSolid& b) {
   return a.body != b.body ? a.body < b.body : a.order < b.order;
@@ -80,6 +82,12 @@ const FluidForce* find_force(const std::vector<FluidForce>& forces, std::uint32_
   return at != forces.end() && at->id == id && at->generation == generation ? &*at : nullptr;
 }
 
+// The force that a body moved with in this step.
+const FluidForce* force_given(const std::vector<FluidForce>& known, std::uint32_t id, std::uint32_t generation) {
+  const FluidForce* f = find_force(known, id, generation);
+  return f != nullptr && !f->asleep ? f : nullptr;
+}
+
 // Sums up the hits of each body, by id. Each sum goes in the order in which hits were taken.
 void merge(std::vector<FluidHits>& hits) {
   // Total order: hits of one body stay in their order.
@@ -133,19 +141,23 @@ void FluidBodies::look_around(std::span<const std::uint64_t> keys, const FluidSp
   number(around_);
 }
 
+void FluidBodies::find(std::span<const std::uint64_t> keys, const FluidSpace& space, WorkerPool& pool) {
+  constexpr float kReach = 2;  // cells
+  solids_.find(*finder_, keys, space, kReach * static_cast<float>(std::max(space.cell_x, space.cell_y)), pool);
+  number(solids_);
+}
+
 void FluidBodies::look(const FluidGrid& grid, const FluidSpace& space, double part, double known, WorkerPool& pool) {
   share_ = known;
   if (finder_ == nullptr) return;
-  constexpr float kReach = 2;  // cells
-  solids_.find(*finder_, grid.keys, space, kReach * static_cast<float>(std::max(space.cell_x, space.cell_y)), pool);
-  number(solids_);
+  find(grid.keys, space, pool);
   tiles_.assign(grid.size(), Tile());
   // Bodies have moved with all of the last step's force. Here it counts as far as parts of this step have given it; of the
   // next part its share counts, since pressure gives the rest.
   for (FluidBody& b : bodies_) {
     moving_ = moving_ || b.inv_mass > 0;
     const FluidForce given = so_far(b.id, b.generation);
-    const FluidForce* moved = find_force(known_, b.id, b.generation);
+    const FluidForce* moved = force_given(known_, b.id, b.generation);
     const Vec2 push = given.impulse + known * part * given.force - (moved != nullptr ? dt_ * moved->force : Vec2{});
     const double turn = given.spin_impulse + known * part * given.torque - (moved != nullptr ? dt_ * moved->torque : 0);
     const FluidHits hits = borne_by(b.id);
@@ -355,7 +367,7 @@ void FluidBodies::bear(FluidGrid& grid, std::size_t pressure, double part) {
 
 void FluidBodies::finish() {
   for (const FluidForce& given : given_) {
-    const FluidForce* moved = find_force(known_, given.id, given.generation);
+    const FluidForce* moved = force_given(known_, given.id, given.generation);
     FluidForce f = given;
     if (given.force != Vec2{} || given.torque != 0) {
       f.force = (1 / dt_) * given.impulse;
@@ -369,6 +381,22 @@ void FluidBodies::finish() {
     const FluidHits hits = borne_by(f.id);
     f.impulse = f.impulse + Vec2{hits.x, hits.y};
     f.spin_impulse += hits.turn;
+    const auto b = std::ranges::lower_bound(bodies_, f.id, {}, &FluidBody::id);
+    const bool there = b != bodies_.end() && b->id == f.id;
+    f.asleep = there && b->asleep;
+    const FluidForce* before = find_force(known_, f.id, f.generation);
+    f.slow = there && b->speed <= kSlow ? (before != nullptr ? before->slow : 0) + dt_ : 0;
+    if (before != nullptr && before->asleep && f.asleep) {
+      f.rest_force = before->rest_force;
+      f.rest_torque = before->rest_torque;
+      f.stir_force = before->stir_force;
+      f.stir_torque = before->stir_torque;
+    }
+    if (f.asleep) {
+      // With what particles that struck it gave in this step.
+      f.stir_force = f.stir_force + kStirring * ((1 / dt_) * f.impulse - f.rest_force - f.stir_force);
+      f.stir_torque += kStirring * (f.spin_impulse / dt_ - f.rest_torque - f.stir_torque);
+    }
     if (f.force != Vec2{} || f.torque != 0 || f.impulse != Vec2{} || f.spin_impulse != 0) forces_.push_back(f);
   }
 }

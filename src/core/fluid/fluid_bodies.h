@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -24,8 +25,11 @@ struct FluidBody {
   std::uint32_t id = 0, generation = 0;
   Vec2 velocity;           ///< m/s
   double spin = 0;         ///< rad/s
-  double inv_mass = 0;     ///< 1/kg; 0: static or kinematic
+  double inv_mass = 0;     ///< 1/kg; 0: static or kinematic, or it sleeps
   double inv_inertia = 0;  ///< 1/(kg m^2)
+  bool moves = false;      ///< it is awake, and, if kinematic, has a velocity
+  bool asleep = false;
+  double speed = 0;  ///< m/s: none of its points is faster
 };
 
 /// A fluid does this to a body in a step.
@@ -35,6 +39,13 @@ struct FluidForce {
   double torque = 0;        ///< N m, about the centre of mass
   Vec2 impulse = {};        ///< N s: what the step did not know of
   double spin_impulse = 0;  ///< N m s
+  double slow = 0;          ///< s: for how long the body has been slow
+  bool asleep = false;      ///< it sleeps: nothing of this is given to it
+  /// By how much more it feels, on a mean of the last steps, than when it fell asleep: N, N m.
+  Vec2 stir_force = {};
+  double stir_torque = 0;
+  Vec2 rest_force = {};  ///< what it felt then
+  double rest_torque = 0;
 };
 
 /// Particles that were stopped at a body gave this to it: momentum and angular momentum about its centre of mass; their mass,
@@ -123,7 +134,17 @@ class FluidBodies : public SolverRows {
   void bear(FluidGrid& grid, std::size_t pressure, double part);
   /// Sums up the parts of a step.
   void finish();
+  /// Finds the shapes at these tiles again, while the fluid lies still.
+  void look_again(const SolidFinder* finder, std::span<const std::uint64_t> keys, const FluidSpace& space,
+                  WorkerPool& pool);
+  /// What lies around, as it was found last: a number that stays the same while all of it stays as it is. Nothing if a body
+  /// moves.
+  std::optional<std::uint64_t> surroundings();
+  /// Bodies were given what they were to be given once.
+  void forget_impulses();
   const std::vector<FluidForce>& forces() const { return forces_; }
+  /// A body fell asleep after the step.
+  void lay_down(std::uint32_t id);
 
   void clear();
   void describe(Archive& a);
@@ -149,6 +170,7 @@ class FluidBodies : public SolverRows {
   };
   friend class FluidCut;
   void number(TileSolids& of);
+  void find(std::span<const std::uint64_t> keys, const FluidSpace& space, WorkerPool& pool);
   void sum_rows(FluidGrid& grid, std::size_t x);
   void bear_hits();
   FluidHits borne_by(std::uint32_t id) const;

@@ -67,7 +67,9 @@ void Fluids::lay_corner(const Bounds& bounds, Vec2 first) {
 void Fluids::drain() {
   for (const FluidDrain& d : taps_.drains) {
     if (particles_.size() == 0) return;
-    taps_.drained += particles_.remove(d.region, true, solver_.grid(), space_);
+    const std::size_t removed = particles_.remove(d.region, true, solver_.grid(), space_);
+    if (removed != 0) stir();
+    taps_.drained += removed;
   }
 }
 

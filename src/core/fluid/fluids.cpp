@@ -92,15 +92,18 @@ std::uint32_t Fluids::add_kind(const FluidKind& kind) {
 }
 
 void Fluids::add(std::uint32_t fluid, Vec2 place, Vec2 velocity) {
+  stir();
   fastest_ = std::max({fastest_, static_cast<float>(std::fabs(velocity.x)), static_cast<float>(std::fabs(velocity.y))});
   particles_.add((place.x - space_.left) / space_.cell_x, (place.y - space_.bottom) / space_.cell_y, velocity, fluid,
                  space_);
 }
 
-void Fluids::step(double dt, Vec2 gravity, const SolidFinder* finder) {
+void Fluids::step(double dt, Vec2 gravity, const SolidFinder* finder, bool may_rest) {
   if (kinds_.empty()) return;
-  bodies_.begin(finder, kinds_[0].density, dt);
+  at_rest_ = may_rest && stays_at_rest(gravity, finder);
   iterations_ = 0;
+  if (at_rest_) return;
+  bodies_.begin(finder, kinds_[0].density, dt);
   const int parts = parts_of(dt, gravity);
   for (int k = 0; k < parts; ++k) {
     dt_ = dt / parts;
@@ -109,6 +112,7 @@ void Fluids::step(double dt, Vec2 gravity, const SolidFinder* finder) {
     bodies_.bear(solver_.grid(), S::kPressure, dt_);
   }
   bodies_.finish();
+  if (may_rest) note_calm(dt, gravity);
 }
 
 // A step is taken in parts if water moves far in it: where it is stopped, cells would get too full in one. The fastest
@@ -432,6 +436,8 @@ void Fluids::clear() {
   solver_.grid().lay({}, space_, 0);
   dt_ = error_mean_ = error_max_ = 0;
   fastest_ = 0;
+  stir();
+  at_rest_ = false;
   iterations_ = 0;
 }
 

@@ -53,10 +53,15 @@ class Fluids {
   void begin(const FluidSpace& space) { space_ = space; }
   std::uint32_t add_kind(const FluidKind& kind);
   void add(std::uint32_t fluid, Vec2 place, Vec2 velocity);
-  /// Moves all fluids by dt seconds. `gravity`: m/s^2. `finder` tells of the bodies around; null: there are none.
-  void step(double dt, Vec2 gravity, const SolidFinder* finder);
+  /// Moves all fluids by dt seconds. `gravity`: m/s^2. `finder` tells of the bodies around; null: there are none. What
+  /// has lain still for long enough is left as it is, if it may rest.
+  void step(double dt, Vec2 gravity, const SolidFinder* finder, bool may_rest = false);
+  /// Whether the last step left all as it was.
+  bool at_rest() const { return at_rest_; }
   /// What the step did to bodies, by id.
   const std::vector<FluidForce>& forces() const { return bodies_.forces(); }
+  /// A body fell asleep after the step.
+  void lay_down(std::uint32_t body) { bodies_.lay_down(body); }
 
   /// Makes room for n particles more, whose add() then needs no memory.
   void make_room(std::size_t n) { particles_.make_room(n); }
@@ -68,7 +73,9 @@ class Fluids {
   /// One more than the largest id that a particle had.
   std::uint32_t ids() const { return particles_.next_id(); }
   /// Removes the particles that are not within the bounds.
-  void keep_within(const Bounds& bounds) { particles_.remove(bounds, false, solver_.grid(), space_); }
+  void keep_within(const Bounds& bounds) {
+    if (particles_.remove(bounds, false, solver_.grid(), space_) != 0) stir();
+  }
   /// Lays the grid of an open world, if it had no particle yet, with its corner half a spacing from the first one, as
   /// where a region is full. So it does not matter where a scene lies.
   void lay_corner(const Bounds& bounds, Vec2 first);
@@ -100,6 +107,14 @@ class Fluids {
  private:
   void let_out(FluidEmitter& emitter, const FluidOutflow& flow, std::size_t count, Vec2 gravity, const Bounds& bounds);
   void describe_kinds(Archive& a, const Bounds& bounds, Boundary boundary);
+  bool stays_at_rest(Vec2 gravity, const SolidFinder* finder);
+  void note_calm(double dt, Vec2 gravity);
+  double half_a_wave(double gravity) const;
+  void lay_down();
+  void stir() {
+    calm_ = 0;
+    rests_ = false;
+  }
   int parts_of(double dt, Vec2 gravity) const;
   void step_part(Vec2 gravity, double bodies_moved);
   void keep_pressure();
@@ -125,8 +140,14 @@ class Fluids {
   FluidBodies bodies_;
   FluidTaps taps_;
   kernels::FluidMotion motion_{};
-  double dt_ = 0;                  // s, of a part of the step
-  float fastest_ = 0;              // m/s: of full cells in the last step, and of particles that came since
+  double dt_ = 0;      // s, of a part of the step
+  float fastest_ = 0;  // m/s: of full cells in the last step, and of particles that came since
+  // For how long all has been calm, s; with which gravity, and among what (FluidBodies::surroundings).
+  double calm_ = 0;
+  Vec2 calm_gravity_;
+  std::uint64_t calm_among_ = 0;
+  bool rests_ = false;             // calm for long enough
+  bool at_rest_ = false;           // and the last step left all as it was
   double viscosity_ = 0;           // m^2/s: the largest
   bool densities_ = false;         // fluids have different ones
   std::vector<std::uint8_t> wet_;  // by tile: whether cells of it may have equations

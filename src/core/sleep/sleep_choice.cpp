@@ -94,6 +94,12 @@ class SleepChoice {
       calm += state_[i] != 0;
       if (is_still(bodies_, i)) state_[i] |= kSupported;
     }
+    for (const std::uint32_t id : source_.population.borne) {
+      const BodyInfo& info = bodies_.info[id];
+      if (info.place != Place::moving) continue;
+      calm += state_[info.slot] == 0;
+      state_[info.slot] |= kCreeping | kSupported | kSupportedTwice;
+    }
     return calm;
   }
 

@@ -62,7 +62,10 @@ void FluidParticles::describe(Archive& a, FluidGrid& grid, const FluidSpace& spa
   a.require(std::adjacent_find(ids.begin(), ids.end()) == ids.end());
 }
 
-static auto fields(FluidForce& f) { return std::tie(f.id, f.generation, f.force, f.torque); }
+static auto fields(FluidForce& f) {
+  return std::tie(f.id, f.generation, f.force, f.torque, f.slow, f.asleep, f.stir_force, f.stir_torque, f.rest_force,
+                  f.rest_torque);
+}
 
 // What a step needs of the one before: forces. Impulses have been given.
 void FluidBodies::describe(Archive& a) {
@@ -117,9 +120,9 @@ void Fluids::describe(Archive& a, const Bounds& bounds, Boundary boundary) {
   if (!a.ok() || kinds_.empty()) return;
   FluidGrid& grid = solver_.grid();
   particles_.describe(a, grid, space_, kinds_.size());
-  values(a, dt_, error_mean_, error_max_, iterations_, fastest_);
+  values(a, dt_, error_mean_, error_max_, iterations_, fastest_, calm_, rests_, calm_gravity_, calm_among_);
   bodies_.describe(a);
-  a.require(dt_ >= 0 && dt_ <= limits::kTimeStep.max && fastest_ >= 0);
+  a.require(dt_ >= 0 && dt_ <= limits::kTimeStep.max && fastest_ >= 0 && calm_ >= 0);
   for (std::size_t t = 0; t < grid.size() && a.ok(); ++t) {
     for (const auto f : {FluidSolver::kPressure, FluidSolver::kDiagonal, FluidSolver::kError}) {
       float* field = grid.field(f, t);

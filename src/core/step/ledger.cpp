@@ -20,7 +20,7 @@ void Ledger::begin_step(const MemoryMeter& memory) {
 }
 
 void Ledger::skip_all(bool but_publish, bool but_events) {
-  skipped_ = (1u << kSkipNames.size()) - 1;
+  skipped_ = ((1u << kSkipNames.size()) - 1) & ~bit(Skip::fluid);
   if (but_publish) skipped_ &= ~bit(Skip::publish);
   if (but_events) skipped_ &= ~bit(Skip::events);
 }

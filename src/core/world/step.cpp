@@ -179,13 +179,14 @@ void advance(Owners& w, double frame_dt, StepReport& report) {
     w.ledger.skip_all(w.plan.publish, w.plan.events);
   }
   move_fluids(w, dt, report);
+  w.ledger.skip(Skip::fluid, !w.fluids.active() || w.fluids.at_rest());
   ++w.ledger.steps;
   if (awake && w.ledger.surveys()) survey_lanes(w, report.rebuilt);
   w.observers.queries.forget(QueryIndex::kMoving);
   collect_events(w, report);
   if (w.bodies.awake() != 0) count_contacts(w, report);
   w.progress = {};
-  if (w.fluids.active()) push_by_fluids(w);
+  push_by_fluids(w);
 }
 
 // Time stands still in this frame: the work goes on in the next one. Where bodies are pushed it begins again then: lists
@@ -218,7 +219,9 @@ void fall_asleep(Owners& w, double frame_dt, StepReport& report) {
   if (!report.detail.solves || !w.plan.sleep || w.bodies.awake() == 0) return;
   const StageTimer timer(report, w.tracer, Stage::sleep);
   try {
-    w.note_sleep(w.sleep.step(w.sleep_source(), w.ledger.steps, frame_dt * report.detail.frames));
+    if (w.note_sleep(w.sleep.step(w.sleep_source(), w.ledger.steps, frame_dt * report.detail.frames))) {
+      lay_down_in_fluids(w);
+    }
   } catch (const std::bad_alloc&) {
     if (w.sleep.sleepers.leaving) throw;
     w.recover();

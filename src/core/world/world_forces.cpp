@@ -9,6 +9,11 @@ namespace psim {
 
 bool add_force(Owners& w, BodyId id, Vec2 force, double torque) {
   if (!can_move(w, id)) return false;
+  push_body(w, id, force, torque);
+  return true;
+}
+
+void push_body(Owners& w, BodyId id, Vec2 force, double torque) {
   Population& population = w.population;
   population.applied.make_room();
   if (torque != 0 && w.bodies.properties(id.index).rim_gain != 0) let_turn(w);
@@ -22,7 +27,6 @@ bool add_force(Owners& w, BodyId id, Vec2 force, double torque) {
   AppliedForce& all = population.applied.at(id.index);
   all.force = all.force + force;
   all.torque += torque;
-  return true;
 }
 
 Vec2 arm_to(Owners& w, BodyId id, Vec2 point) {

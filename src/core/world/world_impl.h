@@ -89,6 +89,8 @@ void let_turn(Owners& w);
 // world_forces.cpp
 /// Adds to what pushes a body in the next step. False, and nothing changes, if the body does not move.
 bool add_force(Owners& w, BodyId id, Vec2 force, double torque);
+/// The same to a body that moves. It may fall asleep nevertheless.
+void push_body(Owners& w, BodyId id, Vec2 force, double torque);
 
 // world_fluid_bodies.cpp
 /// Moves the fluids of a world by dt seconds, around its bodies; then drains and emitters have their turn. False if there
@@ -96,6 +98,8 @@ bool add_force(Owners& w, BodyId id, Vec2 force, double torque);
 bool step_fluids(Owners& w, double dt);
 /// Gives bodies what the fluids' last step did to them.
 void push_by_fluids(Owners& w);
+/// Bodies fell asleep: fluids push those of them no more that they bore.
+void lay_down_in_fluids(Owners& w);
 
 // world_joints.cpp
 void disturb_joined(Owners& w, std::uint32_t body);
