@@ -15,7 +15,7 @@ namespace psim {
 /// model holds the costs of the machine that the engine was calibrated on (docs/governor.md).
 class PSIM_API CostModel {
  public:
-  static constexpr std::size_t kNumbers = 36;  ///< how many numbers make a model
+  static constexpr std::size_t kNumbers = 37;  ///< how many numbers make a model
   /// A model as numbers, ns each, in an order of the engine's own.
   using Numbers = std::array<double, kNumbers>;
 
@@ -39,9 +39,10 @@ struct GovernorDesc {
 
 /// How much of a step was or is to be done in a frame.
 struct StepDetail {
-  static constexpr std::uint8_t kMostSubsteps = 64;  ///< of `substeps`
-  static constexpr std::uint8_t kMostFrames = 8;     ///< of `frames` and `horizon`, which are at least 1
-  static constexpr std::uint8_t kMostSweeps = 15;    ///< of `sweeps`
+  static constexpr std::uint8_t kMostSubsteps = 64;   ///< of `substeps`
+  static constexpr std::uint8_t kMostFrames = 8;      ///< of `frames` and `horizon`, which are at least 1
+  static constexpr std::uint8_t kMostSweeps = 15;     ///< of `sweeps`
+  static constexpr std::uint8_t kMostFluidParts = 3;  ///< of `fluid_parts`
 
   std::uint8_t substeps = 0;  ///< 0: as the world's description has it
   /// Whether the step ends in this frame. Else time stands still: the work ahead of the substeps is spread
@@ -52,7 +53,8 @@ struct StepDetail {
   std::uint32_t pieces = 0;  ///< of the work ahead, done in a frame in which time stands still
   /// All was ready, but bodies woke that would have been met: time stands still, lists are made anew.
   bool wakes = false;
-  std::uint8_t sweeps = 0;  ///< over impacts in a substep, at most; 0: as many as it takes
+  std::uint8_t sweeps = 0;       ///< over impacts in a substep, at most; 0: as many as it takes
+  std::uint8_t fluid_parts = 0;  ///< in which fluids move, at most; 0: as many as it takes
   /// Whether time stands still in the frame.
   bool waits() const { return !solves; }
   /// All alike.

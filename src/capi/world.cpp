@@ -36,7 +36,8 @@ psim_step_report report_of(const psim::StepReport& from) {
   r.quarantined = from.quarantined;
   r.arena_growths = from.arena_growths;
   const psim::StepDetail& d = from.detail;
-  const int flags = (d.solves ? 0 : PSIM_STEP_WAITS) | (d.wakes ? PSIM_STEP_WAKES : 0) | d.sweeps * PSIM_STEP_SWEEP;
+  const int flags = (d.solves ? 0 : PSIM_STEP_WAITS) | (d.wakes ? PSIM_STEP_WAKES : 0) |
+                    d.fluid_parts * PSIM_STEP_FLUID_PART | d.sweeps * PSIM_STEP_SWEEP;
   r.detail = {d.substeps, static_cast<std::uint8_t>(flags), d.frames, d.horizon, d.pieces};
   r.predicted_ms = from.predicted_ms;
   r.virial = from.virial;
@@ -67,22 +68,25 @@ psim_result step(const Call& call, psim_step_report* report, const Advance& adva
 
 psim_result replay(const Call& call, psim_step_detail detail, double dt, psim_step_report* report) {
   using D = psim::StepDetail;
-  static_assert(sizeof detail.flags == 1 && 255 / PSIM_STEP_SWEEP == D::kMostSweeps);
+  static_assert(sizeof detail.flags == 1 && 255 / PSIM_STEP_SWEEP == D::kMostSweeps &&
+                PSIM_STEP_SWEEP / PSIM_STEP_FLUID_PART - 1 == D::kMostFluidParts);
   const auto frames = [](int n) { return n >= 1 && n <= D::kMostFrames; };
-  const int flags = detail.flags % PSIM_STEP_SWEEP, sweeps = detail.flags / PSIM_STEP_SWEEP;
+  const int flags = detail.flags % PSIM_STEP_FLUID_PART, sweeps = detail.flags / PSIM_STEP_SWEEP;
+  const int parts = detail.flags % PSIM_STEP_SWEEP / PSIM_STEP_FLUID_PART;
   if (detail.substeps > D::kMostSubsteps || !frames(detail.frames) || !frames(detail.horizon) ||
       flags == PSIM_STEP_WAKES || flags > (PSIM_STEP_WAITS | PSIM_STEP_WAKES)) {
     return call.fail(PSIM_ERROR_ARGUMENT, "substeps must be 0 to " + std::to_string(D::kMostSubsteps) +
                                               ", frames and horizon 1 to " + std::to_string(D::kMostFrames) +
-                                              ", flags 0, 1 or 3 and a multiple of 16");
+                                              ", flags 0, 1 or 3 and a multiple of 4");
   }
   if (!(dt > 0 && dt <= 10)) {
     return call.fail(PSIM_ERROR_ARGUMENT, "dt must be above 0 and at most 10 s");
   }
   return step(call, report, [&](auto& one) {
-    return one.replay({detail.substeps, (flags & PSIM_STEP_WAITS) == 0, detail.frames, detail.horizon, detail.pieces,
-                       (flags & PSIM_STEP_WAKES) != 0, static_cast<std::uint8_t>(sweeps)},
-                      dt);
+    return one.replay(
+        {detail.substeps, (flags & PSIM_STEP_WAITS) == 0, detail.frames, detail.horizon, detail.pieces,
+         (flags & PSIM_STEP_WAKES) != 0, static_cast<std::uint8_t>(sweeps), static_cast<std::uint8_t>(parts)},
+        dt);
   });
 }
 

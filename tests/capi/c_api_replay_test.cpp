@@ -32,11 +32,12 @@ TEST(CApi, AGovernedRunReplaysFromItsReports) {
   }
   EXPECT_TRUE(less);
   EXPECT_EQ(psim_world_state_hash(cut.world), psim_world_state_hash(again.world));
-  EXPECT_EQ(psim_world_replay(again.world, {4, 8, 1, 1, 0}, nullptr), PSIM_ERROR_ARGUMENT);
+  EXPECT_EQ(psim_world_replay(again.world, {4, PSIM_STEP_WAKES, 1, 1, 0}, nullptr), PSIM_ERROR_ARGUMENT);
   psim_step_report limited;
   psim_step_report_init(&limited);
-  ASSERT_EQ(psim_world_replay(again.world, {4, 3 * PSIM_STEP_SWEEP, 1, 1, 0}, &limited), PSIM_OK);
-  EXPECT_EQ(limited.detail.flags, 3 * PSIM_STEP_SWEEP);
+  constexpr std::uint8_t kFlags = 3 * PSIM_STEP_SWEEP + 2 * PSIM_STEP_FLUID_PART;
+  ASSERT_EQ(psim_world_replay(again.world, {4, kFlags, 1, 1, 0}, &limited), PSIM_OK);
+  EXPECT_EQ(limited.detail.flags, kFlags);
 }
 
 TEST(CApi, ASavedWorldGoesOnWithTheSameBits) {
@@ -115,7 +116,7 @@ TEST(CApi, AReplayStepsByAnotherDt) {
     EXPECT_EQ(psim_world_step_by(b.world, dt, nullptr), PSIM_ERROR_ARGUMENT) << dt;
   }
   for (const psim_step_detail wrong :
-       {psim_step_detail{65, 0, 1, 1, 0}, psim_step_detail{0, 2, 1, 1, 0}, psim_step_detail{0, 4, 1, 1, 0},
+       {psim_step_detail{65, 0, 1, 1, 0}, psim_step_detail{0, 2, 1, 1, 0}, psim_step_detail{0, 6, 1, 1, 0},
         psim_step_detail{0, 0, 0, 1, 0}, psim_step_detail{0, 0, 9, 1, 0}, psim_step_detail{0, 0, 1, 0, 0}}) {
     EXPECT_EQ(psim_world_replay(b.world, wrong, nullptr), PSIM_ERROR_ARGUMENT);
   }

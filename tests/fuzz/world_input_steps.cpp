@@ -100,14 +100,16 @@ void Session::replay(std::optional<double> dt) {
   detail.horizon = static_cast<std::uint8_t>(in_.tame ? 1 + in_.below(4) : in_.byte() % 10);
   // Of a byte that was read already: old inputs stay what they are.
   detail.sweeps = static_cast<std::uint8_t>(detail.pieces % 3 == 0 ? detail.pieces / 3 % (in_.tame ? 16 : 20) : 0);
+  detail.fluid_parts = static_cast<std::uint8_t>(detail.pieces % 5 == 0 ? detail.pieces / 5 % (in_.tame ? 4 : 5) : 0);
   std::vector<StepReport> reports;
-  say("step %d: substeps %d solves %d wakes %d pieces %d frames %d horizon %d sweeps %d", steps_ + 1, detail.substeps,
-      detail.solves, detail.wakes, static_cast<int>(detail.pieces), detail.frames, detail.horizon, detail.sweeps);
+  say("step %d: substeps %d solves %d wakes %d pieces %d frames %d horizon %d sweeps %d fluid_parts %d", steps_ + 1,
+      detail.substeps, detail.solves, detail.wakes, static_cast<int>(detail.pieces), detail.frames, detail.horizon,
+      detail.sweeps, detail.fluid_parts);
   const std::uint64_t frame = worlds_.front()->frame();
   step_all(reports, [&](auto& w) { return dt ? w.replay(detail, *dt) : w.replay(detail); });
   const auto frames = [](int n) { return n >= 1 && n <= 8; };
   if (detail.substeps > 64 || !frames(detail.frames) || !frames(detail.horizon) || (detail.solves && detail.wakes) ||
-      detail.sweeps > 15) {
+      detail.sweeps > 15 || detail.fluid_parts > 3) {
     return require(worlds_.front()->frame() == frame, "replay: a detail that no governor chooses");
   }
   if (dt && worlds_.front()->frame() == frame) {

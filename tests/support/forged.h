@@ -33,6 +33,6 @@ std::vector<std::byte> forged(const std::vector<std::byte>& recording, const Cha
   return out;
 }
 
-inline constexpr std::size_t kBytesOfAStep = 19, kBytesOfAHash = 9;
+inline constexpr std::size_t kBytesOfAStep = 20, kBytesOfAHash = 9;
 
 }  // namespace psim::test

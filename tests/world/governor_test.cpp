@@ -226,6 +226,72 @@ TEST(Governor, ALimitThatNoSubstepReachesChangesNothing) {
   EXPECT_EQ(world->frame(), 0u) << "no governor chooses it";
 }
 
+// Water that falls two metres and strikes a wall moves in two parts where there is time for them.
+std::unique_ptr<World> falling_water(Isa isa = best_isa(), int threads = 1) {
+  auto world = make(walled({0, 0, 4, 6}), isa, threads);
+  add(*world, disc({3, 1}, {}, 0.2));
+  std::string error;
+  const FluidId water = world->add_fluid({.spacing = 0.05}, error);
+  std::vector<Vec2> places;
+  for (int k = 0; k < 1600; ++k) places.push_back({0.05 * (k % 40 + 0.5), 3 + 0.05 * (k / 40 + 0.5)});
+  EXPECT_TRUE(world->add_particles(water, places, std::vector<Vec2>(places.size(), {0, -25}), error)) << error;
+  return world;
+}
+
+TEST(Governor, FluidsMoveInFewerPartsWhereThereIsNoTime) {
+  const auto run = [](double budget_ms, std::vector<StepDetail>* details) {
+    auto world = falling_water();
+    EXPECT_EQ(world->set_governor({budget_ms > 0, budget_ms, {}}), budget_ms > 0);
+    for (int k = 0; k < 60; ++k) {
+      const StepReport report = world->step();
+      EXPECT_EQ(report.predicted_ms > 0.05, budget_ms > 0) << k;
+      EXPECT_FALSE(report.detail.waits()) << "bodies have half of the time";
+      if (details != nullptr) details->push_back(report.detail);
+    }
+    return world->state_hash();
+  };
+  std::vector<StepDetail> cut, whole;
+  const std::uint64_t in_full = run(0, nullptr), with_time = run(100, &whole), without = run(0.1, &cut);
+  EXPECT_EQ(with_time, in_full);
+  EXPECT_NE(without, in_full);
+  const auto few = [](const StepDetail& d) { return d.fluid_parts == 1; };
+  EXPECT_TRUE(std::none_of(whole.begin(), whole.end(), [](const StepDetail& d) { return d.fluid_parts != 0; }));
+  EXPECT_GT(std::count_if(cut.begin(), cut.end(), few), 3);
+  for (const Isa isa : available_isas()) {
+    auto again = falling_water(isa, 2);
+    for (const StepDetail& detail : cut) again->replay(detail);
+    EXPECT_EQ(again->state_hash(), without) << isa_name(isa);
+  }
+}
+
+// What a governor chooses hangs on nothing that a saved state leaves out.
+TEST(Governor, WhatItChoosesForFluidsIsSaved) {
+  auto world = falling_water();
+  const GovernorDesc poor{true, 0.1, {}};
+  EXPECT_TRUE(world->set_governor(poor));
+  for (int k = 0; k < 10; ++k) world->step();
+  std::vector<std::byte> saved;
+  world->save(saved);
+  std::string error;
+  const auto other = World::from_state(saved, {}, error);
+  ASSERT_NE(other, nullptr) << error;
+  EXPECT_TRUE(other->set_governor(poor));
+  for (int k = 0; k < 20; ++k) {
+    const StepReport a = world->step(), b = other->step();
+    EXPECT_EQ(a.detail, b.detail) << k;
+    EXPECT_EQ(a.predicted_ms, b.predicted_ms) << k;
+  }
+  EXPECT_EQ(world->state_hash(), other->state_hash());
+}
+
+TEST(Governor, MorePartsThanAGovernorChoosesAreRefused) {
+  auto world = falling_water();
+  StepDetail detail;
+  detail.fluid_parts = 4;
+  world->replay(detail);
+  EXPECT_EQ(world->frame(), 0u);
+}
+
 TEST(Governor, ACutPileOfBoxesReplays) {
   const auto boxes = [](Isa isa, int threads) {
     auto world = make(walled({0, 0, 40, 80}, {0, -kG}, material(0, 0.5)), isa, threads);

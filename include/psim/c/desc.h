@@ -206,8 +206,7 @@ typedef struct psim_event_options {
   int32_t moves;         ///< flag: who moved, and whereto
 } psim_event_options;
 
-/// psim_measure_costs fills this with the costs of work on one machine with one number of threads. Hand it on as it is:
-/// the meaning of its numbers may change, their count does not.
+/// Costs of work on one machine with one number of threads. psim_measure_costs fills it in; hand it on as it is.
 typedef struct psim_cost_model {
   uint32_t struct_size;  ///< set by psim_cost_model_init
   int32_t reserved;      ///< 0
@@ -247,6 +246,7 @@ typedef struct psim_cost_model {
   double cell;           ///< a cell of the grid, when lists are made
   double flight;         ///< a fixed shape near the way of a fast shape
   double strip;          ///< a strip, each time that its lists are gone through
+  double particle;       ///< a particle of a fluid
 } psim_cost_model;
 
 /// How a frame's budget is kept by doing less (docs/governor.md).

@@ -251,6 +251,8 @@ typedef struct psim_column {
 enum {
   PSIM_STEP_WAITS = 1,  ///< time stands still: the work ahead of the substeps is spread over frames
   PSIM_STEP_WAKES = 2,  ///< with it: all was ready, but bodies woke and lists are made anew
+  /// n times this: fluids move in n parts at most, 1 to 3; 0 times: in as many as it takes
+  PSIM_STEP_FLUID_PART = 4,
   /// n times this: n sweeps over impacts in a substep at most, 1 to 15; 0 times: as many as it takes
   PSIM_STEP_SWEEP = 16
 };
@@ -258,7 +260,7 @@ enum {
 /// How much of a step was or is to be done in a frame (docs/governor.md).
 typedef struct psim_step_detail {
   uint8_t substeps;  ///< 0: as the world's description has it; at most 64
-  uint8_t flags;     ///< PSIM_STEP_WAITS, PSIM_STEP_WAKES, n PSIM_STEP_SWEEP, added up
+  uint8_t flags;     ///< PSIM_STEP_WAITS, PSIM_STEP_WAKES, n PSIM_STEP_FLUID_PART, n PSIM_STEP_SWEEP, added up
   uint8_t frames;    ///< that the step makes up for, 1 to 8
   uint8_t horizon;   ///< frames that lists made in it serve, 1 to 8
   uint32_t pieces;   ///< of the work ahead, where it waits: done in the frame

@@ -77,8 +77,18 @@ std::uint32_t FluidGrid::find(std::uint64_t key) const {
   return at != keys.end() && *at == key ? static_cast<std::uint32_t>(at - keys.begin()) : FluidTile::kNone;
 }
 
+std::size_t FluidGrid::bytes() const {
+  std::size_t all = 0;
+  for (const Column<float>& chunk : chunks_) all += chunk.bytes();
+  return all;
+}
+
 void FluidGrid::lay(const std::vector<std::uint64_t>& of, const FluidSpace& space, std::int32_t level) {
-  floats_.reserve_loosely(of.size() * fields_ * kTileFloats);  // first: without memory the old tiles stay
+  while (chunks_.size() * kChunk < of.size()) {  // first: without memory the old tiles stay
+    Column<float> chunk(meter_);
+    chunk.reserve(kChunk * fields_ * kTileFloats);
+    chunks_.push_back(std::move(chunk));
+  }
   keys = of;
   active.clear();
   tiles.assign(keys.size(), FluidTile());

@@ -54,17 +54,19 @@ constexpr std::int32_t row_of(std::uint64_t key) {
 /// One level of the grid, and the floats of its tiles: `fields` squares each.
 class FluidGrid {
  public:
-  FluidGrid(MemoryMeter& meter, std::size_t fields) : floats_(meter), fields_(fields) {}
+  FluidGrid(MemoryMeter& meter, std::size_t fields) : meter_(meter), fields_(fields) {}
 
   /// Makes tiles of these keys, which are in order.
   void lay(const std::vector<std::uint64_t>& keys, const FluidSpace& space, std::int32_t level);
   std::uint32_t find(std::uint64_t key) const;
 
   std::size_t size() const { return tiles.size(); }
-  std::size_t bytes() const { return floats_.bytes(); }
-  float* field(std::size_t f, std::size_t tile) { return floats_.data() + (tile * fields_ + f) * kernels::kTileFloats; }
+  std::size_t bytes() const;
+  float* field(std::size_t f, std::size_t tile) {
+    return chunks_[tile / kChunk].data() + (tile % kChunk * fields_ + f) * kernels::kTileFloats;
+  }
   const float* field(std::size_t f, std::size_t tile) const {
-    return floats_.data() + (tile * fields_ + f) * kernels::kTileFloats;
+    return chunks_[tile / kChunk].data() + (tile % kChunk * fields_ + f) * kernels::kTileFloats;
   }
   /// Fills the halo of a tile from its neighbours: what a sum over four neighbours needs, or all of it.
   void pull_cross(std::size_t f, std::size_t tile);
@@ -89,7 +91,9 @@ class FluidGrid {
   template <class There>
   void pull_four(std::size_t f, std::size_t tile, const There& there);
 
-  Column<float> floats_;
+  static constexpr std::size_t kChunk = 32;  // tiles: about a large page of memory for the finest level
+  MemoryMeter& meter_;
+  std::vector<Column<float>> chunks_;  // so that spray, which needs more and more tiles, moves nothing
   std::size_t fields_;
 };
 

@@ -4,7 +4,6 @@
 #include <bit>
 #include <cmath>
 
-#include "base/range_text.h"
 #include "base/sort_keys.h"
 #include "fluid/fluid_equations.h"
 #include "fluid/fluid_faces.h"
@@ -12,7 +11,6 @@
 #include "fluid/fluid_tension.h"
 #include "fluid/fluid_transfer.h"
 #include "fluid/fluid_viscosity.h"
-#include "psim/limits.h"
 
 namespace psim {
 
@@ -36,9 +34,6 @@ constexpr int kMostParts = 8;       // of a step
 constexpr double kMostTurn = 0.45;  // rad, of waves of surface tension in a part
 // They calm particles in proportion to it: what neighbours do not have in common would feed them.
 constexpr double kCalmingByTurn = 2;
-// A fluid moves as if it were at most so many times as dense as the first one, and at least 1 / so many: beyond, the
-// equations take a hundred iterations, and floats do not hold both.
-constexpr double kMostTimesDenser = 1000;
 
 // The speed of the fastest capillary waves that the grid shows, rad/s: those of four cells, less what smoothing takes.
 double fastest_wave(double tension, double density, const FluidSpace& space) {
@@ -49,48 +44,6 @@ double fastest_wave(double tension, double density, const FluidSpace& space) {
 
 }  // namespace
 
-std::string check_fluid(const FluidKind& kind, const FluidKind& first, const Bounds& bounds, Boundary boundary) {
-  RangeCheck check;
-  check("a fluid's spacing", kind.spacing, limits::kSpacing)("a fluid's density", kind.density, limits::kDensity);
-  check("a fluid's viscosity", kind.viscosity, limits::kViscosity);
-  check("a fluid's surface tension", kind.tension, limits::kSurfaceTension);
-  if (!check.error.empty()) return check.error;
-  if (kind.spacing > first.spacing) {
-    return "a fluid's spacing must be at most that of the first fluid, " + exact_text(first.spacing) + " m, not " +
-           exact_text(kind.spacing);
-  }
-  const double width = bounds.xmax - bounds.xmin, height = bounds.ymax - bounds.ymin;
-  const bool open = boundary == Boundary::open;
-  // Cells are counted in 32 bits, and within walls also in floats.
-  const double most = open ? 0x1p29 : 0x1p23, least = open ? 0 : boundary == Boundary::walls ? 1 : 8;
-  const double largest = std::max(width, height) / first.spacing, smallest = std::min(width, height) / first.spacing;
-  if (largest <= most && smallest >= least) return {};
-  return "a fluid's spacing must be " + exact_text(std::max(width, height) / most) +
-         (least > 0 ? " to " + exact_text(std::min(width, height) / least) : " or more") +
-         " m in a world of these bounds, not " + exact_text(first.spacing);
-}
-
-std::uint32_t Fluids::add_kind(const FluidKind& kind) {
-  kinds_.reserve(kinds_.size() + 1);
-  volume_.reserve(kinds_.size() + 1);
-  mass_.reserve(kinds_.size() + 1);
-  tensions_.reserve(kinds_.size() + 1);
-  kinds_.push_back(kind);
-  viscosity_ = std::max(viscosity_, kind.viscosity);
-  densities_ = densities_ || kind.density != kinds_[0].density;
-  const double share = kind.spacing * kind.spacing / (space_.cell_x * space_.cell_y);
-  volume_.push_back(static_cast<float>(share));
-  const double denser = std::clamp(kind.density / kinds_[0].density, 1 / kMostTimesDenser, kMostTimesDenser);
-  mass_.push_back(static_cast<float>(share * denser));
-  least_density_ = kinds_.size() == 1 ? kind.density : std::min(least_density_, kind.density);
-  tension_ = std::max(tension_, kind.tension);
-  tensions_.assign(kinds_.size(), 0);
-  for (std::size_t k = 0; k < kinds_.size() && tension_ > 0; ++k) {
-    tensions_[k] = volume_[k] * static_cast<float>(kinds_[k].tension / tension_);
-  }
-  return static_cast<std::uint32_t>(kinds_.size() - 1);
-}
-
 void Fluids::add(std::uint32_t fluid, Vec2 place, Vec2 velocity) {
   stir();
   fastest_ = std::max({fastest_, static_cast<float>(std::fabs(velocity.x)), static_cast<float>(std::fabs(velocity.y))});
@@ -98,13 +51,13 @@ void Fluids::add(std::uint32_t fluid, Vec2 place, Vec2 velocity) {
                  space_);
 }
 
-void Fluids::step(double dt, Vec2 gravity, const SolidFinder* finder, bool may_rest) {
+void Fluids::step(double dt, Vec2 gravity, const SolidFinder* finder, bool may_rest, int most_parts) {
   if (kinds_.empty()) return;
   at_rest_ = may_rest && stays_at_rest(gravity, finder);
   iterations_ = 0;
   if (at_rest_) return;
   bodies_.begin(finder, kinds_[0].density, dt);
-  const int parts = parts_of(dt, gravity);
+  const int parts = std::min(parts_of(dt, gravity), most_parts > 0 ? most_parts : kMostParts);
   for (int k = 0; k < parts; ++k) {
     dt_ = dt / parts;
     bodies_.begin_part();
@@ -112,6 +65,8 @@ void Fluids::step(double dt, Vec2 gravity, const SolidFinder* finder, bool may_r
     bodies_.bear(solver_.grid(), S::kPressure, dt_);
   }
   bodies_.finish();
+  last_ = {parts, static_cast<double>(near_.size()), static_cast<double>(with_equations_.size()) * iterations_ / parts,
+           bodies_.any()};
   if (may_rest) note_calm(dt, gravity);
 }
 
@@ -124,6 +79,18 @@ int Fluids::parts_of(double dt, Vec2 gravity) const {
   const double turn = tension_ > 0 ? dt * fastest_wave(tension_, least_density_, space_) : 0;
   const double parts = std::max(cells / most, turn / kMostTurn);
   return parts < kMostParts ? std::max(1, static_cast<int>(std::ceil(parts))) : kMostParts;
+}
+
+FluidWork Fluids::work(double dt, Vec2 gravity) const {
+  if (particles_.size() == 0 || rests_) return {};
+  FluidWork work = last_;
+  if (work.tiles == 0) {  // before the first step: tiles that are full of particles, and some iterations
+    constexpr double kFullTile = 4 * kTile * kTile, kIterations = 8;
+    work.tiles = static_cast<double>(particles_.size()) / kFullTile + 1;
+    work.passes = kIterations * work.tiles;
+  }
+  work.parts = parts_of(dt, gravity);
+  return work;
 }
 
 void Fluids::step_part(Vec2 gravity, double bodies_moved) {
@@ -438,6 +405,7 @@ void Fluids::clear() {
   fastest_ = 0;
   stir();
   at_rest_ = false;
+  last_ = {};
   iterations_ = 0;
 }
 

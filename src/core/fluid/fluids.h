@@ -40,6 +40,14 @@ struct FluidCounts {
   std::uint32_t iterations = 0;                          ///< of the last step, for pressure and for density
 };
 
+/// What a step goes through.
+struct FluidWork {
+  int parts = 0;      ///< of the step; 0: nothing moves
+  double tiles = 0;   ///< in a part, that are not dry
+  double passes = 0;  ///< tiles with equations x iterations, in a part
+  bool bodies = false;
+};
+
 class Fluids {
  public:
   Fluids(MemoryMeter& meter, const kernels::KernelTable& kernels, WorkerPool& pool)
@@ -54,8 +62,11 @@ class Fluids {
   std::uint32_t add_kind(const FluidKind& kind);
   void add(std::uint32_t fluid, Vec2 place, Vec2 velocity);
   /// Moves all fluids by dt seconds. `gravity`: m/s^2. `finder` tells of the bodies around; null: there are none. What
-  /// has lain still for long enough is left as it is, if it may rest.
-  void step(double dt, Vec2 gravity, const SolidFinder* finder, bool may_rest = false);
+  /// has lain still for long enough is left as it is, if it may rest. It moves in so many parts at most; 0: in as many as
+  /// it takes.
+  void step(double dt, Vec2 gravity, const SolidFinder* finder, bool may_rest = false, int most_parts = 0);
+  /// The work of a step of dt seconds, as far as it is known.
+  FluidWork work(double dt, Vec2 gravity) const;
   /// Whether the last step left all as it was.
   bool at_rest() const { return at_rest_; }
   /// What the step did to bodies, by id.
@@ -157,6 +168,7 @@ class Fluids {
   std::vector<float> largest_;                // speed, m/s, by tile
   std::vector<std::vector<FluidHits>> hits_;  // of particles at bodies, by tile
   std::uint32_t iterations_ = 0;
+  FluidWork last_;  // of the last step
   double error_mean_ = 0, error_max_ = 0;
   std::vector<std::uint64_t> old_keys_;  // tiles of the last step, and their pressure
   Column<float> old_pressure_;

@@ -10,7 +10,7 @@
 namespace psim {
 
 inline auto fields(StepDetail& d) {
-  return std::tie(d.substeps, d.solves, d.frames, d.horizon, d.pieces, d.wakes, d.sweeps);
+  return std::tie(d.substeps, d.solves, d.frames, d.horizon, d.pieces, d.wakes, d.sweeps, d.fluid_parts);
 }
 inline auto fields(DiscShape& s) { return std::tie(s.radius); }
 inline auto fields(SegmentShape& s) { return std::tie(s.p1, s.p2); }

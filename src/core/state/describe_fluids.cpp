@@ -120,9 +120,11 @@ void Fluids::describe(Archive& a, const Bounds& bounds, Boundary boundary) {
   if (!a.ok() || kinds_.empty()) return;
   FluidGrid& grid = solver_.grid();
   particles_.describe(a, grid, space_, kinds_.size());
-  values(a, dt_, error_mean_, error_max_, iterations_, fastest_, calm_, rests_, calm_gravity_, calm_among_);
+  values(a, dt_, error_mean_, error_max_, iterations_, fastest_, calm_, rests_, calm_gravity_, calm_among_, last_.parts,
+         last_.tiles, last_.passes, last_.bodies);
   bodies_.describe(a);
-  a.require(dt_ >= 0 && dt_ <= limits::kTimeStep.max && fastest_ >= 0 && calm_ >= 0);
+  a.require(dt_ >= 0 && dt_ <= limits::kTimeStep.max && fastest_ >= 0 && calm_ >= 0 && last_.tiles >= 0 &&
+            last_.passes >= 0);
   for (std::size_t t = 0; t < grid.size() && a.ok(); ++t) {
     for (const auto f : {FluidSolver::kPressure, FluidSolver::kDiagonal, FluidSolver::kError}) {
       float* field = grid.field(f, t);

@@ -44,7 +44,7 @@ inline constexpr std::uint8_t kOps = kCallsBegin + std::tuple_size_v<decltype(kC
 
 struct RecordHeader : FileHeader {
   static constexpr std::uint64_t kMagic = 0x31304352'6D697370u;  // "psimRC01"
-  static constexpr std::uint64_t kFormat = 16;
+  static constexpr std::uint64_t kFormat = 17;
   std::uint64_t state = 0;  ///< bytes of the state that it began with
   std::uint64_t steps = 0;
 

@@ -47,6 +47,7 @@ struct UnitCosts {
   double cell = 1;            ///< a cell of the grid, when lists are made
   double flight = 350;        ///< a fixed shape near the way of a fast shape
   double strip = 50;          ///< a strip, each time that its lists are gone through
+  double particle = 60;       ///< a particle of a fluid, in a part of a step
 };
 
 /// How work of one kind differs: factors, the same on every machine. tools/cost-table leaves them as they are.
@@ -85,6 +86,8 @@ inline constexpr double kMixedCount = 0.6, kListedCount = 2, kMixedMove = 1;
 inline constexpr double kGather = 0.25, kSortOut = 0.35, kKeep = 0.4;
 // Bodies of several sizes that press each other are searched for longer in cells that are listed.
 inline constexpr double kListedCrowd = 3.2;
+// On UnitCosts::particle: a tile in a part of a step, and in an iteration; on all of it, if there are bodies.
+inline constexpr double kTile = 380, kTilePass = 70, kAmongBodies = 1.3;
 // On UnitCosts::strip: how often strips are gone through to lay contacts out.
 inline constexpr double kLayOutStrips = 2;
 
@@ -94,6 +97,7 @@ inline constexpr double kLayOutStrips = 2;
 struct HeapShares {
   double lists, rest, pass;
 };
+inline constexpr double kTank = 1;  // the same of its tank of water
 inline constexpr HeapShares kDiscHeap = {0.79, 1.05, 0.74}, kBoxHeap = {1.1, 0.73, 0.91};
 
 static_assert(sizeof(UnitCosts) == CostModel::kNumbers * sizeof(double));

@@ -31,6 +31,11 @@ double substep_ns(const UnitCosts& c, const WorkCounts& w) {
          c.shape_pass * n(w.manifolds.lanes) + c.joint_pass * n(w.joints);
 }
 
+double fluid_part_ns(const UnitCosts& c, std::size_t particles, const FluidWork& w) {
+  return c.particle * (w.bodies ? kAmongBodies : 1) *
+         (static_cast<double>(particles) + kTile * w.tiles + kTilePass * w.passes);
+}
+
 namespace {
 
 // Lists for more frames are worth it if a frame then takes no more than this share of what it takes now.
@@ -103,9 +108,10 @@ Lists lists_for(const Governor& g, const WorkCounts& w, int most, const std::fun
   return best;
 }
 
-Governor::Choice offer(const Governor& g, const WorkCounts& w, double left, int elapsed, int horizon, int most) {
+Governor::Choice offer(const Governor& g, const WorkCounts& w, double left, double fluids, int elapsed, int horizon,
+                       int most) {
   const UnitCosts costs = g.costs();
-  const double room = g.room_ns() - costs.step;
+  const double room = g.room_ns() - costs.step - fluids;
   const int fits = fitting(costs, w, left, most), next = fitting(costs, w, room, most);
   Governor::Choice of;
   of.substeps = left >= room ? std::max(fits, 1) : fits;
@@ -156,7 +162,8 @@ void do_pieces(StepContext& c, const Span& span, Frame& frame, StepReport& repor
 }
 
 // All is ready: does the step end in this frame, with how many substeps, and how many frames does it make up for?
-void choose_end(StepContext& c, double dt, bool first, Frame& frame, StepDetail& detail) {
+// `fluids`: ns that these take, as far as that leaves a step for the bodies.
+void choose_end(StepContext& c, double dt, double fluids, bool first, Frame& frame, StepDetail& detail) {
   const UnitCosts costs = c.governor.costs();
   const WorkCounts counts = count_work(c);
   int horizon = c.progress.horizon;
@@ -165,8 +172,12 @@ void choose_end(StepContext& c, double dt, bool first, Frame& frame, StepDetail&
     horizon = 1;
   }
   const int most = std::min(c.desc.substeps, 255);
+  const double room = c.governor.room_ns(), rest = costs.step + rest_ns(costs, counts),
+               each = substep_ns(costs, counts);
+  const double kept =
+      std::min({fluids, c.governor.fluids_room_ns(rest + most * each), std::max(room - rest - each, 0.0)});
   const Governor::Choice choice =
-      c.governor.choose(counts, c.governor.room_ns() - frame.spent, frame.elapsed, horizon, most);
+      c.governor.choose(counts, room - frame.spent - kept, frame.elapsed, horizon, most, kept);
   detail.solves = choice.solves || frame.late || frame.committed || first;
   if (!detail.solves) return;
   detail.substeps = static_cast<std::uint8_t>(std::max(choice.substeps, 1));
@@ -174,7 +185,8 @@ void choose_end(StepContext& c, double dt, bool first, Frame& frame, StepDetail&
   const bool few = choice.solves ? choice.sweeps != 0 : counts.sweeps > Governor::kFewSweeps;
   detail.sweeps = few ? Governor::kFewSweeps : 0;
   detail.pieces = 0;
-  frame.spent += rest_ns(costs, counts) + detail.substeps * substep_ns(costs, with_sweeps(counts, detail.sweeps));
+  frame.spent +=
+      fluids + rest_ns(costs, counts) + detail.substeps * substep_ns(costs, with_sweeps(counts, detail.sweeps));
 }
 
 }  // namespace
@@ -194,12 +206,34 @@ int Governor::horizon(const WorkCounts& w, int most, const std::function<Growth(
   return cut.a_frame < kWorthIt * whole.a_frame ? cut.frames : whole.frames;
 }
 
-Governor::Choice Governor::choose(const WorkCounts& w, double left, int elapsed, int horizon, int most) const {
-  const Choice whole = offer(*this, w, left, elapsed, horizon, most);
+Governor::Choice Governor::choose(const WorkCounts& w, double left, int elapsed, int horizon, int most,
+                                  double fluids) const {
+  const Choice whole = offer(*this, w, left, fluids, elapsed, horizon, most);
   if (w.sweeps <= kFewSweeps) return whole;
-  Choice cut = offer(*this, with_sweeps(w, kFewSweeps), left, elapsed, horizon, most);
+  Choice cut = offer(*this, with_sweeps(w, kFewSweeps), left, fluids, elapsed, horizon, most);
   cut.sweeps = kFewSweeps;
   return whole.pace > 0 && cut.pace <= whole.pace ? whole : cut;
+}
+
+double Governor::fluids_room_ns(double of_bodies) const {
+  constexpr double kLeast = 0.5, kMost = 0.875;  // of the room
+  return std::clamp(room_ns() - of_bodies, kLeast * room_ns(), kMost * room_ns());
+}
+
+double Governor::govern_fluids(const StepContext& c, double dt, StepDetail& detail) const {
+  const FluidWork work = c.fluids.work(dt, c.desc.gravity);
+  if (work.parts == 0) return 0;
+  double of_bodies = costs().step;
+  if (c.bodies.awake() != 0) {
+    const WorkCounts bodies = count_work(c);
+    of_bodies += ahead_ns(costs(), bodies) + rest_ns(costs(), bodies) + c.desc.substeps * substep_ns(costs(), bodies);
+  }
+  const double each = fluid_part_ns(costs(), c.fluids.size(), work);
+  const int fit = std::max(static_cast<int>(std::min(fluids_room_ns(of_bodies) / each, 255.0)), 1);
+  detail.fluid_parts = 0;
+  if (fit < work.parts)
+    detail.fluid_parts = std::min<std::uint8_t>(static_cast<std::uint8_t>(fit), StepDetail::kMostFluidParts);
+  return each * std::min(fit, work.parts);
 }
 
 void Governor::spend_frame(StepContext& c, double dt, StepReport& report) const {
@@ -212,11 +246,14 @@ void Governor::spend_frame(StepContext& c, double dt, StepReport& report) const 
   }
   detail.horizon = now.horizon;
   const Span span{dt, dt * detail.horizon};
+  const double fluids = govern_fluids(c, dt, detail);
   Frame frame{costs().step, now.waits + 1, now.spoiled != 0 && now.waits >= kPatience};
   if (first) run_parts(c, span, report);
   do_pieces(c, span, frame, report);
   detail.solves = false;
-  if (all_done(now)) choose_end(c, dt, first, frame, detail);
+  if (all_done(now)) choose_end(c, dt, fluids, first, frame, detail);
+  // A step that makes up for several frames may take more parts, which do not fit.
+  if (detail.frames > 1) govern_fluids(c, dt * detail.frames, detail);
   report.predicted_ms = frame.spent * 1e-6;
 }
 

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 
+#include "fluid/fluids.h"
 #include "step/cost_table.h"
 #include "step/work_counts.h"
 
@@ -13,6 +14,8 @@ namespace psim {
 /// counts, with a few factors for how work of one kind differs. docs/governor.md has where the numbers come from.
 double rest_ns(const UnitCosts& costs, const WorkCounts& work);
 double substep_ns(const UnitCosts& costs, const WorkCounts& work);
+/// The same of a part of the fluids' step.
+double fluid_part_ns(const UnitCosts& costs, std::size_t particles, const FluidWork& work);
 
 struct StepContext;
 struct StepReport;
@@ -32,6 +35,11 @@ class Governor {
   /// fits, too, with how many substeps, and how many frames it makes up for. The lists of a world's first frame belong
   /// to making ready (World::prepare).
   void spend_frame(StepContext& c, double dt, StepReport& report) const;
+  /// ns of a frame that fluids may take beside bodies that take so many: what these leave, but a half at least and seven
+  /// eighths at most.
+  double fluids_room_ns(double of_bodies) const;
+  /// Chooses in how many parts fluids move, and returns the predicted ns, which may be more than there is room for.
+  double govern_fluids(const StepContext& c, double dt, StepDetail& detail) const;
   /// Whether new lists fit beside what is predicted already; if not, the substeps will not be done either, and are
   /// taken out of the prediction.
   bool fits_again(const StepContext& c, StepReport& report) const;
@@ -55,8 +63,9 @@ class Governor {
   };
   /// For a frame that has `left` ns for what comes after the work ahead, the `elapsed`-th of its step. No
   /// substep is longer than a frame: time that they cannot make up for is lost. Sweeps over impacts are left out
-  /// where less time is lost then.
-  Choice choose(const WorkCounts& work, double left, int elapsed, int horizon, int most_substeps) const;
+  /// where less time is lost then. `fluids`: ns of each frame that are kept for these, and are not in `left`.
+  Choice choose(const WorkCounts& work, double left, int elapsed, int horizon, int most_substeps,
+                double fluids = 0) const;
 
  private:
   /// Of the budget: what is left is for what the model does not know.

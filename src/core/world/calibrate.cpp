@@ -73,6 +73,33 @@ HeapShares shares_of(Owners& w) {
           .pass = std::max(pass_ns / substep_ns(costs, work), 0.1)};
 }
 
+// A tank of water at rest; null if there is no memory.
+std::unique_ptr<World> tank(const RunOptions& options) {
+  constexpr double kPace = 0.02;
+  WorldDesc desc;
+  desc.bounds = {0, 0, 200 * kPace, 100 * kPace};
+  desc.sleeping = false;
+  std::string error;
+  auto world = World::create(desc, options, error);
+  if (!world) return nullptr;
+  const FluidId water = world->add_fluid({.spacing = kPace}, error);
+  std::vector<Vec2> places;
+  for (int k = 0; k < 16000; ++k) places.push_back({kPace * (k % 200 + 0.5), kPace * (k / 200 + 0.5)});
+  return world->add_particles(water, places, {}, error) ? std::move(world) : nullptr;
+}
+
+// What a step of it costs as a share of what the default costs predict.
+double share_of(Owners& tank) {
+  std::vector<double> times;
+  for (int k = 0; k < 9; ++k) {
+    const double begin = os::thread_work_ns();
+    step(tank, tank.desc.dt, nullptr);
+    if (k >= 2) times.push_back(os::thread_work_ns() - begin);
+  }
+  const FluidWork work = tank.fluids.work(tank.desc.dt, tank.desc.gravity);
+  return std::max(quiet(times) / (work.parts * fluid_part_ns(UnitCosts{}, tank.fluids.size(), work)), 0.05);
+}
+
 }  // namespace
 
 // The table has the proportions of one machine; what heaps cost here scales it, apart for lists, passes and the rest,
@@ -86,6 +113,7 @@ CostModel World::measure_costs(const RunOptions& options, std::size_t bodies, st
     const auto world = heap(options, std::clamp<std::size_t>(count, 1000, boxes ? 30000 : 100000), boxes);
     return world ? shares_of(*world->impl_) : HeapShares{};
   };
+  if (const auto water = tank(options)) scale({&c.particle}, share_of(*water->impl_), kTank);
   const HeapShares discs = measure(bodies, false);
   if (discs.pass == 0) return cost_model(c);
   scale({&c.check, &c.sort, &c.search, &c.pair, &c.near, &c.near_fixed, &c.near_shape, &c.cell, &c.strip, &c.select,

@@ -40,9 +40,13 @@ void look_around(Owners& w) {
 
 // Lists and contacts, as far as a governor or the given detail lets them.
 void work_on_lists(Owners& w, double dt, StepReport& report) {
-  if (w.bodies.awake() == 0) return;
-  const StepDetail& detail = report.detail;
-  if (!w.detailed && w.governor.on()) {
+  StepDetail& detail = report.detail;
+  const bool governed = !w.detailed && w.governor.on();
+  if (w.bodies.awake() == 0) {
+    if (governed) report.predicted_ms = 1e-6 * w.governor.govern_fluids(w, dt, detail);
+    return;
+  }
+  if (governed) {
     w.governor.spend_frame(w, dt, report);
     if (detail.solves) return;
   } else if (detail.waits() && !detail.wakes) {
@@ -121,7 +125,7 @@ void move_fluids(Owners& w, double dt, StepReport& report) {
   if (!w.fluids.active()) return;
   const StageTimer timer(report, w.tracer, Stage::fluid);
   w.dynamics.moving = true;  // from now on the step cannot be taken back
-  if (!step_fluids(w, dt)) lose(report, "emitters");
+  if (!step_fluids(w, dt, report.detail.fluid_parts)) lose(report, "emitters");
 }
 
 void collect_events(Owners& w, StepReport& report) {

@@ -135,7 +135,8 @@ StepReport World::replay(const StepDetail& detail) { return replay(detail, impl_
 StepReport World::replay(const StepDetail& detail, double dt) {
   const auto frames = [](int n) { return n >= 1 && n <= StepDetail::kMostFrames; };
   if (detail.substeps > StepDetail::kMostSubsteps || !frames(detail.frames) || !frames(detail.horizon) ||
-      (detail.solves && detail.wakes) || detail.sweeps > StepDetail::kMostSweeps) {
+      (detail.solves && detail.wakes) || detail.sweeps > StepDetail::kMostSweeps ||
+      detail.fluid_parts > StepDetail::kMostFluidParts) {
     return {};
   }
   return psim::step(*impl_, dt, &detail);

@@ -70,10 +70,10 @@ class WorldSolids : public SolidFinder {
 
 }  // namespace
 
-bool step_fluids(Owners& w, double dt) {
+bool step_fluids(Owners& w, double dt, int most_parts) {
   w.observers.queries.forget(QueryIndex::kMoving);
   const WorldSolids solids(w);
-  w.fluids.step(dt, w.desc.gravity, &solids, w.desc.sleeping);
+  w.fluids.step(dt, w.desc.gravity, &solids, w.desc.sleeping, most_parts);
   if (w.desc.boundary == Boundary::open) w.fluids.keep_within(w.desc.bounds);
   if (!w.fluids.taps().any()) return true;
   w.fluids.drain();

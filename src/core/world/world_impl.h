@@ -93,9 +93,9 @@ bool add_force(Owners& w, BodyId id, Vec2 force, double torque);
 void push_body(Owners& w, BodyId id, Vec2 force, double torque);
 
 // world_fluid_bodies.cpp
-/// Moves the fluids of a world by dt seconds, around its bodies; then drains and emitters have their turn. False if there
+/// Moves the fluids of a world by dt seconds in so many parts at most (0: as many as it takes), around its bodies; then drains and emitters have their turn. False if there
 /// was no memory for all that emitters let out.
-bool step_fluids(Owners& w, double dt);
+bool step_fluids(Owners& w, double dt, int most_parts);
 /// Gives bodies what the fluids' last step did to them.
 void push_by_fluids(Owners& w);
 /// Bodies fell asleep: fluids push those of them no more that they bore.

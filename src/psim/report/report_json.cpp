@@ -86,6 +86,7 @@ Json governor_json(const RunReport& report) {
           {"frames_waited", report.frames_waited},
           {"substeps_saved", report.substeps_saved},
           {"frames_few_sweeps", report.frames_few_sweeps},
+          {"frames_few_parts", report.frames_few_parts},
           {"frames_lost", report.frames_lost}};
 }
 

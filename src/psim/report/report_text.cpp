@@ -93,11 +93,12 @@ std::string report_text(const RunReport& report) {
                  frame.count(), renewed_text(report), percent(report.reused_sum, report.pairs_sum),
                  frame.count() - report.fast_frames, grouped(report.substeps_saved));
   if (report.governed) {
-    fmt::format_to(out,
-                   "Governor: {} frames with fewer substeps, {} in which time stood still, {} substeps saved, "
-                   "{} frames with few sweeps over impacts, time of {} frames lost\n",
-                   report.frames_cut, report.frames_waited, grouped(report.substeps_saved), report.frames_few_sweeps,
-                   report.frames_lost);
+    fmt::format_to(
+        out,
+        "Governor: {} frames with fewer substeps, {} in which time stood still, {} substeps saved, "
+        "{} frames with few sweeps over impacts, {} with few parts of fluids' steps, time of {} frames lost\n",
+        report.frames_cut, report.frames_waited, grouped(report.substeps_saved), report.frames_few_sweeps,
+        report.frames_few_parts, report.frames_lost);
   }
   fmt::format_to(out, "State {}\n", hash_text(report.state_hash));
   return text;

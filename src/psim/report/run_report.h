@@ -52,6 +52,7 @@ struct RunReport {
   bool governed = false;
   std::uint64_t frames_cut = 0, frames_waited = 0;  ///< with fewer substeps; in which time stood still
   std::uint64_t substeps_saved = 0;                 ///< against all frames done in full
+  std::uint64_t frames_few_parts = 0;               ///< with a limit on the parts in which fluids move
   std::uint64_t frames_few_sweeps = 0;              ///< with a limit on sweeps over impacts
   std::uint64_t frames_lost = 0;                    ///< that no step made up for: the world went slower
   std::uint64_t frames_waiting = 0;                 ///< that the present step may make up for

@@ -75,6 +75,7 @@ std::uint64_t add_frame(RunReport& report, double total_ms, const StepReport& st
   for (std::size_t k = 0; k < kSkipNames.size(); ++k) report.frames_skipped[k] += step.skipped >> k & 1;
   if (step.quarantined > 0 && report.quarantined == 0) report.first_quarantine_frame = frame;
   report.quarantined += step.quarantined;
+  report.frames_few_parts += step.detail.fluid_parts != 0;
   if (nobody_moved) return 0;
   const int done = step.detail.waits() ? 0 : step.detail.substeps;
   report.frames_waited += step.detail.waits();
