@@ -134,6 +134,17 @@ TEST(FluidSleep, WhatStirsItWakesIt) {
   }
 }
 
+// What moved while nobody slept does not lie still because it did before.
+TEST(FluidSleep, MovingWaterGoesOnWhenSleepIsTurnedOn) {
+  StillTank tank;
+  ASSERT_LT(tank.settle(), 3000);
+  tank.world->set_sleeping(false);
+  EXPECT_TRUE(tank.world->apply_impulse(tank.floating, {0, -250}));
+  for (int frame = 0; frame < 20; ++frame) EXPECT_FALSE(tank.step());
+  tank.world->set_sleeping(true);
+  for (int frame = 0; frame < 20; ++frame) EXPECT_FALSE(tank.step());
+}
+
 TEST(FluidSleep, WhatIsFarAwayDoesNot) {
   StillTank tank;
   ASSERT_LT(tank.settle(), 3000);

@@ -84,14 +84,23 @@ void keep_between(float& x, float& speed, float low, float high) {
   }
 }
 
-// Whether a place within this tile may be beyond a wall.
-bool beside_wall(const FluidSpace& space, std::int32_t x, std::int32_t y) {
-  const auto may = [](std::int32_t tile, float wide) {
-    const auto first = static_cast<float>(kTile * tile);
-    return first < 1 + kApart || first + kTile > 1 + wide - kApart;
-  };
-  return space.boundary == Boundary::walls && (may(x, space.wide) || may(y, space.high));
-}
+// The tile that places of particles are counted from.
+struct Home {
+  std::int32_t x = 0, y = 0;
+  float wide = 0, high = 0;
+  bool near_wall = false;  // a place within it may be beyond a wall
+
+  Home() = default;
+  Home(std::uint64_t key, const FluidSpace& space)
+      : x(column_of(key)), y(row_of(key)), wide(width_of(x, space.cells_x)), high(width_of(y, space.cells_y)) {
+    const auto may = [](std::int32_t tile, float between) {
+      const auto first = static_cast<float>(kTile * tile);
+      return first < 1 + kApart || first + kTile > 1 + between - kApart;
+    };
+    near_wall = space.boundary == Boundary::walls && (may(x, space.wide) || may(y, space.high));
+  }
+  bool holds(const FluidParticle& p) const { return p.x >= 0 && p.x < wide && p.y >= 0 && p.y < high; }
+};
 
 // Keeps a particle within the walls of the world. `x`, `y`: the tile that its place is counted from.
 void keep_within(const FluidSpace& space, std::int32_t x, std::int32_t y, FluidParticle& p) {
@@ -192,9 +201,7 @@ void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const 
   kernels.move_fluid(list_.data() + begin, end - begin, motion);
   std::uint32_t of = old_tile_[job];
   std::uint64_t from = 0;  // the tile that the particles were in
-  std::int32_t from_x = 0, from_y = 0;
-  float wide = 0, high = 0;
-  bool near_wall = false;
+  Home home;
   std::span<FluidSolid> solids;
   for (std::size_t k = begin; k < end; ++k) {
     FluidParticle& p = list_[k];
@@ -207,23 +214,18 @@ void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const 
     }
     if (was != from) {
       from = was;
-      from_x = column_of(was);
-      from_y = row_of(was);
-      wide = width_of(from_x, space.cells_x);
-      high = width_of(from_y, space.cells_y);
-      near_wall = beside_wall(space, from_x, from_y);
+      home = Home(was, space);
       solids = bodies.there() ? bodies.around(place_in(old_keys_, was)) : std::span<FluidSolid>();
     }
-    const auto stays = [&] { return p.x >= 0 && p.x < wide && p.y >= 0 && p.y < high; };
-    if (near_wall || (walls && !stays())) keep_within(space, from_x, from_y, p);
+    if (home.near_wall || (walls && !home.holds(p))) keep_within(space, home.x, home.y, p);
     if (!solids.empty()) {
       // Beyond a wall of the world a particle might pass a shape that leans against it, and come back behind it.
       keep_out_of(bodies, solids, chunks_[job].from[k - begin], bodies_moved, space, motion.mass, p, chunks_[job].hits);
-      if (walls) keep_within(space, from_x, from_y, p);
+      if (walls) keep_within(space, home.x, home.y, p);
     }
     std::uint64_t key = from;
-    if (!stays()) {
-      std::int32_t tx = from_x, ty = from_y;
+    if (!home.holds(p)) {
+      std::int32_t tx = home.x, ty = home.y;
       to_tile(p.x, tx, space.cells_x, wraps);
       to_tile(p.y, ty, space.cells_y, wraps);
       key = tile_key(tx, ty);

@@ -14,8 +14,8 @@ namespace {
 
 // Water is calm while nothing in it is faster than the first share of sqrt(gravity spacing), and all on the mean (rms) no
 // faster than the second. It rests if it was calm for so many seconds, and for as long as half a period of its slowest wave:
-// all waves stand still twice in a period.
-constexpr double kCalmFastest = 0.1, kCalmMean = 0.02, kRestTime = 0.5;
+// all waves stand still twice in a period. What is viscous creeps: of it no more than kViscous of these speeds is calm.
+constexpr double kCalmFastest = 0.1, kCalmMean = 0.02, kRestTime = 0.5, kViscous = 0.1;
 
 }  // namespace
 
@@ -95,7 +95,8 @@ void Fluids::lay_down() {
 
 void Fluids::note_calm(double dt, Vec2 gravity) {
   const double g = std::max(std::fabs(gravity.x), std::fabs(gravity.y));
-  const double unit = g * kinds_[0].spacing, limit = kCalmFastest * kCalmFastest * unit;
+  const double unit = g * kinds_[0].spacing * (viscosity_ > 0 ? kViscous * kViscous : 1);
+  const double limit = kCalmFastest * kCalmFastest * unit;
   double fastest = double{fastest_} * double{fastest_}, sum = 0;  // of squares
   for (std::size_t k = 0; k < particles_.size() && fastest < limit; ++k) {
     const Vec2 v{double{particles_.data()[k].u}, double{particles_.data()[k].v}};

@@ -53,7 +53,8 @@ void Fluids::add(std::uint32_t fluid, Vec2 place, Vec2 velocity) {
 
 void Fluids::step(double dt, Vec2 gravity, const SolidFinder* finder, bool may_rest, int most_parts) {
   if (kinds_.empty()) return;
-  at_rest_ = may_rest && stays_at_rest(gravity, finder);
+  if (!may_rest) stir();
+  at_rest_ = stays_at_rest(gravity, finder);
   iterations_ = 0;
   if (at_rest_) return;
   bodies_.begin(finder, kinds_[0].density, dt);

@@ -83,8 +83,10 @@ std::unique_ptr<World> tank(const RunOptions& options) {
   auto world = World::create(desc, options, error);
   if (!world) return nullptr;
   const FluidId water = world->add_fluid({.spacing = kPace}, error);
-  std::vector<Vec2> places;
-  for (int k = 0; k < 16000; ++k) places.push_back({kPace * (k % 200 + 0.5), kPace * (k / 200 + 0.5)});
+  std::vector<Vec2> places(16000);
+  for (std::size_t k = 0; k < places.size(); ++k) {
+    places[k] = {kPace * (static_cast<double>(k % 200) + 0.5), kPace * (static_cast<double>(k / 200) + 0.5)};
+  }
   return world->add_particles(water, places, {}, error) ? std::move(world) : nullptr;
 }
 
