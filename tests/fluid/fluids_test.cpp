@@ -262,5 +262,16 @@ TEST(Fluids, APeriodIsAWholeNumberOfCells) {
   }
 }
 
+// Halos take two nodes of the tile after theirs: a tile of one cell would be asked for its own halo, which others may be writing.
+TEST(Fluids, NoTileHasASingleCell) {
+  for (int n = 1; n < 200; ++n) {
+    for (const Boundary boundary : {Boundary::walls, Boundary::periodic}) {
+      const FluidSpace space = fluid_space({0, 0, 0.1 * std::max(n, 4), 0.05 * (n + 8)}, boundary, 0.1, {});
+      EXPECT_NE(space.cells_x % kernels::kTile, 1) << n;
+      EXPECT_NE(space.cells_y % kernels::kTile, 1) << n;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace psim::test

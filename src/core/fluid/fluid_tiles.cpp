@@ -22,6 +22,10 @@ std::int32_t cells_of_period(double length, double cell) {
   }
 }
 
+// Between walls a halo takes two nodes of the tile after it, so that none may have a single one: then there is one cell more,
+// beyond the wall.
+std::int32_t whole_tiles(std::int32_t cells) { return cells % kTile == 1 ? cells + 1 : cells; }
+
 std::int32_t at_level(std::int32_t cells, std::int32_t level) {
   for (; level > 0; --level) cells = (cells + 1) / 2;
   return cells;
@@ -45,8 +49,8 @@ FluidSpace fluid_space(const Bounds& bounds, Boundary boundary, double cell, Vec
   } else if (boundary == Boundary::walls) {
     const auto whole = [](double n) { return std::fabs(n - std::nearbyint(n)) < 1e-3 ? std::nearbyint(n) : n; };
     const double wide = whole(width / cell), high = whole(height / cell);
-    s.cells_x = static_cast<std::int32_t>(std::ceil(wide)) + 2;
-    s.cells_y = static_cast<std::int32_t>(std::ceil(high)) + 2;
+    s.cells_x = whole_tiles(static_cast<std::int32_t>(std::ceil(wide)) + 2);
+    s.cells_y = whole_tiles(static_cast<std::int32_t>(std::ceil(high)) + 2);
     s.wide = static_cast<float>(wide);
     s.high = static_cast<float>(high);
     s.left -= cell;
