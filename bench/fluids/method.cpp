@@ -21,8 +21,10 @@ class PsimMotion final : public Motion {
  public:
   PsimMotion(const Flow& flow, double step) : step_(step) {
     std::string error;
-    world_ = World::create({.bounds = flow.bounds, .boundary = flow.boundary, .gravity = flow.gravity, .dt = step}, {},
-                           error);
+    // Water at rest is measured as it moves, not as it lies still.
+    world_ = World::create(
+        {.bounds = flow.bounds, .boundary = flow.boundary, .gravity = flow.gravity, .dt = step, .sleeping = false}, {},
+        error);
     if (!world_) throw std::runtime_error(error);
     const FluidId fluid =
         world_->add_fluid({.spacing = flow.spacing, .density = kDensity, .viscosity = flow.viscosity}, error);
