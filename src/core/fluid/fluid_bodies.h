@@ -28,8 +28,8 @@ struct FluidBody {
   double inv_mass = 0;     ///< 1/kg; 0: static or kinematic, or it sleeps
   double inv_inertia = 0;  ///< 1/(kg m^2)
   bool moves = false;      ///< it is awake, and, if kinematic, has a velocity
-  bool asleep = false;
-  double speed = 0;  ///< m/s: none of its points is faster
+  bool asleep = false;     ///< for the fluid it stands fast then
+  double speed = 0;        ///< m/s: none of its points is faster
 };
 
 /// A fluid does this to a body in a step.

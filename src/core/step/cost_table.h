@@ -93,11 +93,12 @@ inline constexpr double kLayOutStrips = 2;
 
 }  // namespace cost
 
-/// What the heaps of World::measure_costs cost there, as shares of what these costs predict for them.
+/// What the tank of water of World::measure_costs costs there, as a share of what these costs predict for it.
+inline constexpr double kTank = 1;
+/// The same of its heaps.
 struct HeapShares {
   double lists, rest, pass;
 };
-inline constexpr double kTank = 1;  // the same of its tank of water
 inline constexpr HeapShares kDiscHeap = {0.79, 1.05, 0.74}, kBoxHeap = {1.1, 0.73, 0.91};
 
 static_assert(sizeof(UnitCosts) == CostModel::kNumbers * sizeof(double));

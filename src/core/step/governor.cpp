@@ -230,9 +230,8 @@ double Governor::govern_fluids(const StepContext& c, double dt, StepDetail& deta
   }
   const double each = fluid_part_ns(costs(), c.fluids.size(), work);
   const int fit = std::max(static_cast<int>(std::min(fluids_room_ns(of_bodies) / each, 255.0)), 1);
-  detail.fluid_parts = 0;
-  if (fit < work.parts)
-    detail.fluid_parts = std::min<std::uint8_t>(static_cast<std::uint8_t>(fit), StepDetail::kMostFluidParts);
+  const int most = fit < work.parts ? std::min<int>(fit, StepDetail::kMostFluidParts) : 0;
+  detail.fluid_parts = static_cast<std::uint8_t>(most);
   return each * std::min(fit, work.parts);
 }
 
