@@ -145,6 +145,24 @@ TEST(FluidSleep, MovingWaterGoesOnWhenSleepIsTurnedOn) {
   for (int frame = 0; frame < 20; ++frame) EXPECT_FALSE(tank.step());
 }
 
+// A float that sleeps does not stay in the air when all water goes at once.
+TEST(FluidSleep, AFloatFallsWhenTheWaterGoes) {
+  for (const bool stays : {true, false}) {
+    StillTank tank;
+    ASSERT_LT(tank.settle(), 3000);
+    ASSERT_FALSE(tank.world->is_awake(tank.floating));
+    std::string error;
+    const DrainId drain = tank.world->add_drain({-1, -1, 5, 4}, error);
+    ASSERT_EQ(error, "");
+    tank.step();
+    ASSERT_EQ(tank.world->fluid_report().particles, 0u);
+    EXPECT_TRUE(stays || tank.world->remove_drain(drain));
+    for (int frame = 0; frame < 90; ++frame) tank.step();
+    EXPECT_NEAR(tank.height(), 0.3, 0.05);
+    EXPECT_EQ(tank.world->fluid_report().particles, 0u);
+  }
+}
+
 TEST(FluidSleep, WhatIsFarAwayDoesNot) {
   StillTank tank;
   ASSERT_LT(tank.settle(), 3000);

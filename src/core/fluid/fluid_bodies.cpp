@@ -392,12 +392,16 @@ void FluidBodies::finish() {
       f.stir_force = before->stir_force;
       f.stir_torque = before->stir_torque;
     }
-    if (f.asleep) {
-      // With what particles that struck it gave in this step.
+    if (!there && before != nullptr && before->asleep && before->rest_force != Vec2{}) {
+      f.asleep = true;  // for one more step: the fluid that bore it is gone
+      f.stir_force = -1.0 * before->rest_force;
+    } else if (f.asleep) {
+      // The impulse of this step holds what particles gave that struck the body.
       f.stir_force = f.stir_force + kStirring * ((1 / dt_) * f.impulse - f.rest_force - f.stir_force);
       f.stir_torque += kStirring * (f.spin_impulse / dt_ - f.rest_torque - f.stir_torque);
     }
-    if (f.force != Vec2{} || f.torque != 0 || f.impulse != Vec2{} || f.spin_impulse != 0) forces_.push_back(f);
+    const bool pushes = f.force != Vec2{} || f.torque != 0 || f.impulse != Vec2{} || f.spin_impulse != 0;
+    if (pushes || f.asleep) forces_.push_back(f);
   }
 }
 

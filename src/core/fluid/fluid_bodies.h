@@ -137,8 +137,8 @@ class FluidBodies : public SolverRows {
   /// Finds the shapes at these tiles again, while the fluid lies still.
   void look_again(const SolidFinder* finder, std::span<const std::uint64_t> keys, const FluidSpace& space,
                   WorkerPool& pool);
-  /// What lies around, as it was found last: a number that stays the same while all of it stays as it is. Nothing if a body
-  /// moves.
+  /// Returns a number that stays the same while all shapes that were found last stay as they are; nothing if one of their
+  /// bodies moves.
   std::optional<std::uint64_t> surroundings();
   /// Bodies were given what they were to be given once.
   void forget_impulses();

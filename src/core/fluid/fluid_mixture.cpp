@@ -1,4 +1,4 @@
-// What the fluids of a world are made of, and how light faces are.
+// Adds fluids to a world, and finds how light what lies at each face is.
 #include "fluid/fluid_mixture.h"
 
 #include <algorithm>

@@ -40,7 +40,7 @@ struct FluidCounts {
   std::uint32_t iterations = 0;                          ///< of the last step, for pressure and for density
 };
 
-/// What a step goes through.
+/// How much work a step has to do.
 struct FluidWork {
   int parts = 0;      ///< of the step; 0: nothing moves
   double tiles = 0;   ///< in a part, that are not dry
@@ -101,7 +101,7 @@ class Fluids {
   FluidAmount amount_in(const Bounds& box, FluidId fluid, const std::function<bool(Vec2)>& holds) const;
   std::size_t size() const { return particles_.size(); }
   /// Whether a step has something to do.
-  bool active() const { return size() != 0 || taps_.any(); }
+  bool active() const { return size() != 0 || taps_.any() || !forces().empty(); }
   std::size_t bytes() const { return particles_.bytes() + solver_.bytes() + old_pressure_.bytes() + bodies_.bytes(); }
   FluidCounts counts() const;
   /// `before` and the particles, by id.

@@ -93,7 +93,7 @@ inline constexpr double kLayOutStrips = 2;
 
 }  // namespace cost
 
-/// What the tank of water of World::measure_costs costs there, as a share of what these costs predict for it.
+/// The tank of water of World::measure_costs takes this share of what these costs predict for it there.
 inline constexpr double kTank = 1;
 /// The same of its heaps.
 struct HeapShares {
