@@ -37,6 +37,12 @@ struct Arms {
   F<L> wa, wb, ga, gb, ra, rb;
 };
 
+/// Masses alone, where anchors are the centres of the bodies: these do not turn, and rows have no levers.
+template <class L>
+struct Centres {
+  F<L> wa, wb;
+};
+
 template <class L>
 PSIM_INLINE inline Arms<L> load_arms(const JointBodies& j, std::uint32_t k) {
   return {load_vec<L>(j.ax, j.ay, k), load_vec<L>(j.bx, j.by, k), L::load(j.wa + k), L::load(j.wb + k),
@@ -56,6 +62,36 @@ PSIM_INLINE inline void by_lane(const BodyView& b, JointBlocks blocks, std::uint
       auto m = gather_motion<L>(b.vel, b.rim_speed, slot);
       each(*j, k, arms, m);
       scatter_motion<L, kFixedA>(b.vel, b.rim_speed, slot, m);
+    }
+  }
+}
+
+/// The same for the lanes of a block whose anchors are the bodies' centres.
+template <class L, bool kFixedA, class Block, class Each>
+PSIM_INLINE inline void by_central_lane(const BodyView& b, Block& j, const Each& each) {
+  for (std::uint32_t k = 0; k < kBlock; k += L::width) {
+    const std::uint32_t* slot = j.body + 2 * k;
+    Centres<L> centres{L::load(j.wa + k), L::load(j.wb + k)};
+    TwoBodies<L> m;
+    L::template gather<2>(b.vel, slot, m.vax, m.vay);
+    L::template gather<2>(b.vel, slot + 1, m.vbx, m.vby);
+    each(j, k, centres, m);
+    if constexpr (!kFixedA) L::template scatter<2>(b.vel, slot, m.vax, m.vay);
+    L::template scatter<2>(b.vel, slot + 1, m.vbx, m.vby);
+  }
+}
+
+/// Calls each(block, first lane, arms, motion) for all lanes of some blocks of lines; with Centres in place of Arms where
+/// no body turns.
+template <class L, bool kFixedA, class Block, class Each>
+PSIM_INLINE inline void by_line(const BodyView& b, JointBlocks blocks, std::uint32_t begin, std::uint32_t end,
+                                const Each& each) {
+  auto* all = static_cast<Block*>(blocks);
+  for (std::uint32_t at = begin; at != end; ++at) {
+    if (all[at].central != 0) {
+      by_central_lane<L, kFixedA>(b, all[at], each);
+    } else {
+      by_lane<L, kFixedA, Block>(b, blocks, at, at + 1, each);
     }
   }
 }
@@ -84,6 +120,28 @@ PSIM_INLINE inline Row<L> anchor_row(const Arms<L>& j, Vec<L> n) {
 template <class L, bool kFixedA>
 PSIM_INLINE inline void push_row(TwoBodies<L>& m, const Arms<L>& j, const Row<L>& row, F<L> l) {
   push<L, kFixedA>(m, j, l * row.n, l * row.sa, l * row.sb);
+}
+
+/// Adds the impulse p to B and takes it from A, at their centres.
+template <class L, bool kFixedA>
+PSIM_INLINE inline void push_centres(TwoBodies<L>& m, const Centres<L>& j, Vec<L> p) {
+  if constexpr (!kFixedA) {
+    m.vax = m.vax - j.wa * p.x;
+    m.vay = m.vay - j.wa * p.y;
+  }
+  m.vbx = m.vbx + j.wb * p.x;
+  m.vby = m.vby + j.wb * p.y;
+}
+
+/// The row of the centres along n has no levers: Vec is all of it.
+template <class L>
+PSIM_INLINE inline Vec<L> anchor_row(const Centres<L>&, Vec<L> n) {
+  return n;
+}
+
+template <class L, bool kFixedA>
+PSIM_INLINE inline void push_row(TwoBodies<L>& m, const Centres<L>& j, Vec<L> n, F<L> l) {
+  push_centres<L, kFixedA>(m, j, l * n);
 }
 
 template <class L>
@@ -117,6 +175,11 @@ PSIM_INLINE inline F<L> spring_impulse(const Block& j, std::uint32_t k, F<L> l, 
 template <class L>
 PSIM_INLINE inline Vec<L> anchor_velocity(const TwoBodies<L>& m, const Arms<L>& j) {
   return {m.vbx - m.ub * j.b.y - (m.vax - m.ua * j.a.y), m.vby + m.ub * j.b.x - (m.vay + m.ua * j.a.x)};
+}
+
+template <class L>
+PSIM_INLINE inline Vec<L> anchor_velocity(const TwoBodies<L>& m, const Centres<L>&) {
+  return {m.vbx - m.vax, m.vby - m.vay};
 }
 
 /// h x centripetal acceleration of B's anchor against A's, -rB wB^2 + rA wA^2. Turns are limited to what h resolves.
@@ -154,6 +217,15 @@ PSIM_INLINE inline Vec<L> turn_arms(const BodyView& b, JointBodies& j, std::uint
   return db - da + (moved_b - moved_a);
 }
 
+template <class L>
+PSIM_INLINE inline Vec<L> turn_arms(const BodyView& b, JointBodies& j, std::uint32_t k, const Centres<L>&) {
+  const std::uint32_t* slot = j.body + 2 * k;
+  Vec<L> da, db;
+  L::template gather<2>(b.disp, slot, da.x, da.y);
+  L::template gather<2>(b.disp, slot + 1, db.x, db.y);
+  return db - da;
+}
+
 /// Angle of B against A now, rad.
 template <class L, class Block>
 PSIM_INLINE inline F<L> present_angle(const BodyView& b, const Block& j, std::uint32_t k) {
@@ -179,6 +251,17 @@ PSIM_INLINE inline void turn_on(TwoBodies<L>& m, const Arms<L>& arms, const Bloc
   Vec<L> e{0, 0};
   if constexpr (requires { j.ex; }) e = load_vec<L>(j.ex, j.ey, k);
   push<L, kFixedA>(m, arms, e, L::load(j.ea + k), L::load(j.eb + k));
+}
+
+/// The same two for rows without levers.
+template <class L, bool kFixedA, class Block>
+PSIM_INLINE inline void turn_half(TwoBodies<L>& m, const Centres<L>& centres, Block& j, std::uint32_t k, Vec<L> e) {
+  store_vec<L>(j.ex, j.ey, k, e);
+  push_centres<L, kFixedA>(m, centres, e);
+}
+template <class L, bool kFixedA, class Block>
+PSIM_INLINE inline void turn_on(TwoBodies<L>& m, const Centres<L>& centres, const Block& j, std::uint32_t k) {
+  push_centres<L, kFixedA>(m, centres, load_vec<L>(j.ex, j.ey, k));
 }
 
 /// Sets what turning adds to zero: the next solve has no half to add.

@@ -30,19 +30,21 @@ struct JointBodies {
   float ea[kBlock], eb[kBlock];  ///< N s: half of what turning the impulses adds to those of the levers
 };
 
-/// Rod, rope and spring: one row along the line of the anchors.
+/// Rod, rope and spring: one row along the line of the anchors. First what every pass reads.
 struct alignas(kAlign) LineBlock : JointBodies {
-  float dx0[kBlock], dy0[kBlock];           ///< m: from anchor to anchor at the frame's start
-  float far0[kBlock];                       ///< m: its length
-  float c0[kBlock];                         ///< m: that length less the joint's length
-  float top[kBlock];                        ///< N s: most impulse; rods: infinite, ropes: 0 (they only pull)
-  float push[kBlock];                       ///< springs: k h, N s/m
-  float drag[kBlock], lag[kBlock];          ///< springs, kg: times the speeds before and after, times the one before
   float nx[kBlock], ny[kBlock], c[kBlock];  ///< now
   float curvature[kBlock];                  ///< 1 / distance of the anchors, 1/m
   float mass[kBlock];                       ///< kg
   float l[kBlock];                          ///< N s
+  float top[kBlock];                        ///< N s: most impulse; rods: infinite, ropes: 0 (they only pull)
   float ex[kBlock], ey[kBlock];             ///< N s: half of what turning the normal adds to the impulse
+  std::uint32_t central;  ///< 1: anchors of all lanes are the bodies' centres, which do not turn them; else 0
+  alignas(kAlign) float dx0[kBlock];
+  float dy0[kBlock];                ///< m: from anchor to anchor at the frame's start
+  float far0[kBlock];               ///< m: its length
+  float c0[kBlock];                 ///< m: that length less the joint's length
+  float push[kBlock];               ///< springs: k h, N s/m
+  float drag[kBlock], lag[kBlock];  ///< springs, kg: times the speeds before and after, times the one before
 };
 
 /// The anchors coincide: two rows.

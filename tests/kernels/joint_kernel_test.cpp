@@ -116,6 +116,10 @@ std::vector<Block> make_blocks(Random& random, const Crowd& crowd, bool fixed) {
     };
     if constexpr (std::is_same_v<Block, LineBlock>) {
       along_unit(b.nx, b.ny);
+      b.central = random.chance(0.5) ? 1 : 0;
+      if (b.central != 0) {
+        for (float* column : {b.ax0, b.ay0, b.bx0, b.by0, b.ax, b.ay, b.bx, b.by, b.ea, b.eb}) each(column, 0, 0);
+      }
       each(b.mass, 0.1, 1);
       for (float* column : {b.far0, b.curvature, b.push, b.drag, b.lag}) each(column, 0.5, 2);
       for (std::size_t k = 0; k < kBlock; ++k) {
@@ -218,6 +222,30 @@ void compare_isas(JointKind kind) {
       for (std::size_t i = 2 * kCount; i < crowd.vel.size(); ++i) ASSERT_EQ(crowd.vel[i], 0);
     }
   }
+}
+
+// Blocks whose anchors are centres are passed over without arms, which changes nothing.
+TEST(JointKernel, LinesBetweenCentresNeedNoArms) {
+  int seen = 0;
+  for (const JointKind kind : {JointKind::rod, JointKind::spring}) {
+    for (const Isa isa : available_isas()) {
+      for (int round = 0; round < 10; ++round) {
+        Random random(static_cast<std::uint64_t>(round));
+        Crowd with(random);
+        Crowd without = with;
+        std::vector<LineBlock> blocks = make_blocks<LineBlock>(random, with, round % 2 != 0);
+        for (LineBlock& b : blocks) seen += b.central != 0;
+        std::vector<LineBlock> turning = blocks;
+        for (LineBlock& b : turning) b.central = 0;
+        run_all(kernels_of(isa), kind, round % 2 != 0, without, blocks);
+        run_all(kernels_of(isa), kind, round % 2 != 0, with, turning);
+        EXPECT_EQ(with.vel, without.vel) << isa_name(isa);
+        EXPECT_EQ(with.rim_speed, without.rim_speed) << isa_name(isa);
+        EXPECT_EQ(with.push, without.push) << isa_name(isa);
+      }
+    }
+  }
+  EXPECT_GT(seen, 100);
 }
 
 TEST(JointKernel, RodsAreTheSameOnEveryIsa) { compare_isas<LineBlock>(JointKind::rod); }

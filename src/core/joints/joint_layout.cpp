@@ -69,6 +69,8 @@ void JointStore::list_ends(std::uint32_t list) {
       to.body[side] = i < kTether ? joints_[i].body[side] : tethers_[i - kTether].body[side];
       to.anchor[side] = i < kTether ? joints_[i].anchor(side) : tethers_[i - kTether].anchor[side];
     }
+    to.length = i < kTether ? joints_[i].desc.length.value_or(0) : tethers_[i - kTether].length;
+    to.rope = i >= kTether || joints_[i].desc.type == JointType::rope;
   }
 }
 

@@ -62,6 +62,16 @@ void fill_line(kernels::LineBlock& at, std::uint32_t k, double length, bool rope
   if (at.nx[k] == 0 && at.ny[k] == 0) at.ny[k] = 1;
 }
 
+// Finds out whether the anchors of all lanes that have a joint are the centres of the bodies.
+void find_central(kernels::LineBlock& at, const std::uint32_t* joints) {
+  bool central = true;
+  for (std::uint32_t k = 0; k < kBlock; ++k) {
+    const bool here = at.ax0[k] == 0 && at.ay0[k] == 0 && at.bx0[k] == 0 && at.by0[k] == 0;
+    central = central && (here || joints[k] == kNoSlot);
+  }
+  at.central = central ? 1 : 0;
+}
+
 // `way` is -1 if the row runs from b to a.
 template <class Desc>
 void fill_drive(kernels::Drive& at, std::uint32_t k, const Desc& d, double way, double h) {
@@ -184,7 +194,7 @@ inline Vec2 JointStore::fill_arms(Block& at, std::uint32_t k, const Ends& ends) 
   return s_.lattice.way(ma.at, mb.at) + (arm_b - arm_a);
 }
 
-// Fills the arms of a lane and the rows of its kind.
+// Fills the arms of a lane and the rows of its kind, which is no rod.
 template <class Block>
 void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint, const Ends& ends) const {
   const Basics& d = joint.desc;
@@ -197,11 +207,9 @@ void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint, const
   if constexpr (requires { at.angle0; })
     at.angle0[k] = narrow_small((mb.angle - ma.angle) - sign * d.reference.value_or(0));
   if constexpr (std::is_same_v<Block, kernels::LineBlock>) {
-    fill_line(at, k, *d.length, d.type == JointType::rope, apart);
-    if (joint.kind == JointKind::spring) {
-      const double mass = line_mass(ma, mb, arm(ma, 0), arm(mb, 1), apart);
-      fill_spring(at, k, spring_of(d.stiffness, d.damping, mass, crowd_of(joint)));
-    }
+    fill_line(at, k, *d.length, false, apart);
+    const double mass = line_mass(ma, mb, arm(ma, 0), arm(mb, 1), apart);
+    fill_spring(at, k, spring_of(d.stiffness, d.damping, mass, crowd_of(joint)));
   } else if constexpr (std::is_same_v<Block, kernels::SlideBlock>) {
     const Vec2 u = turned(ma.turn, axis_of(d, joint.swapped));
     at.ux0[k] = narrow_small(u.x);
@@ -222,10 +230,11 @@ void JointStore::fill_rows(Block& at, std::uint32_t k, const Joint& joint, const
   }
 }
 
+// The same for a rod, rope or tether: the ends say all, so that its joint, which lies elsewhere, is not looked at.
 template <class Block>
-void JointStore::fill_tether(Block& at, std::uint32_t k, const Tether& t, const Ends& ends) const {
+void JointStore::fill_rod(Block& at, std::uint32_t k, const Ends& ends) const {
   const Vec2 apart = fill_arms(at, k, ends);
-  if constexpr (std::is_same_v<Block, kernels::LineBlock>) fill_line(at, k, t.length, true, apart);
+  if constexpr (std::is_same_v<Block, kernels::LineBlock>) fill_line(at, k, ends.length, ends.rope, apart);
 }
 
 // Masses, anchors, springs and motors of the articulations.
@@ -353,16 +362,21 @@ void JointStore::prepare(const std::vector<FixedBody>& fixed, const SolverBodies
   jobs_.run(s_.pool, [&](const ListRange& r) {
     const std::vector<std::uint32_t>& lanes = lanes_[r.list];
     const std::vector<Ends>& ends = ends_[r.list];
+    const bool rods = r.list == JointLists::list_of(JointKind::rod, true) ||  // tethers are among them
+                      r.list == JointLists::list_of(JointKind::rod, false);
     JointLists::visit(lists_, r.list, [&](auto& blocks) {
       for (std::uint32_t lane = r.begin * kBlock; lane < r.end * kBlock; ++lane) {
         auto& block = blocks[lane / kBlock];
         const std::uint32_t joint = lanes[lane], k = lane % kBlock;
-        if (joint < kTether) {
-          fill_rows(block, k, joints_[joint], ends[lane]);
-        } else if (joint != kNoSlot) {
-          fill_tether(block, k, tethers_[joint - kTether], ends[lane]);
-        } else {
+        if (joint == kNoSlot) {
           block.body[2 * k] = block.body[2 * k + 1] = padding;
+        } else if (rods) {
+          fill_rod(block, k, ends[lane]);
+        } else {
+          fill_rows(block, k, joints_[joint], ends[lane]);
+        }
+        if constexpr (requires { block.central; }) {
+          if (k == kBlock - 1) find_central(block, lanes.data() + lane - k);
         }
       }
     });

@@ -261,6 +261,8 @@ class JointStore {
   struct Ends {
     std::uint32_t body[2] = {0, 0};  ///< numbers in members_
     Vec2 anchor[2];                  ///< m, in the frames of the bodies
+    double length = 0;               ///< m, of rods and ropes
+    bool rope = false;
   };
 
   struct Way;
@@ -352,7 +354,7 @@ class JointStore {
   template <class Block>
   void fill_rows(Block& block, std::uint32_t lane, const Joint& joint, const Ends& ends) const;
   template <class Block>
-  void fill_tether(Block& block, std::uint32_t lane, const Tether& t, const Ends& ends) const;
+  void fill_rod(Block& block, std::uint32_t lane, const Ends& ends) const;
   template <class Pass>
   void sweep(const kernels::BodyView& view, const Pass& pass, const kernels::JointParams& p, bool backwards,
              bool tethers);
