@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "psim/fluid.h"
 #include "psim/joint.h"
 #include "psim/types.h"
 
@@ -28,6 +29,16 @@ struct MoveEvent {
   bool fell_asleep = false;  ///< after the step
 };
 
+/// A particle of a fluid entered or left a sensor.
+struct FluidEvent {
+  BodyId sensor = {};          ///< the body
+  std::uint32_t part = 0;      ///< which part of it, as in TouchEvent
+  FluidId fluid = 0;           ///< what the particle is of
+  std::uint32_t particle = 0;  ///< FluidParticleState::id
+
+  bool operator==(const FluidEvent&) const = default;
+};
+
 /// Two bodies hit each other.
 struct HitEvent {
   BodyId a = {};     ///< a.index < b.index
@@ -49,10 +60,11 @@ struct EventOptions {
   bool sensors = false;   ///< who enters and leaves them
   bool sleep = false;     ///< who falls asleep and who wakes
   bool moves = false;     ///< who moved, and whereto
+  bool fluids = false;    ///< which particles enter and leave sensors
 };
 
-/// The lists say what happened in the last step. Each is ordered by a, then b; those of sensors then by part. The spans are valid
-/// until the next call that changes the world.
+/// The lists say what happened in the last step. Each is ordered by a, then b; those of sensors then by part; those of fluids by
+/// sensor, part and particle. The spans are valid until the next call that changes the world.
 struct Events {
   std::span<const TouchEvent> begin = {};         ///< touch now and did not before
   std::span<const TouchEvent> end = {};           ///< touched and do no more
@@ -63,6 +75,8 @@ struct Events {
   std::span<const BodyId> fell_asleep = {};       ///< at the end of the step
   std::span<const BodyId> woke = {};              ///< since the end of the step before; also by what the host did
   std::span<const MoveEvent> moves = {};          ///< all that took part in the step and are there, asleep or not
+  std::span<const FluidEvent> fluid_begin = {};   ///< particles whose middles are in a sensor and were not
+  std::span<const FluidEvent> fluid_end = {};     ///< particles that were in a sensor and are not, or are gone
 };
 
 }  // namespace psim

@@ -242,6 +242,10 @@ class PSIM_API World {
   std::size_t joint_count() const;
   /// Those of a body, by index; none if the id is stale.
   std::vector<JointId> joints_of(BodyId id) const;
+  /// Those whose lines a segment crosses or touches, by index: the lines that debug_draw draws of them, from anchor to anchor
+  /// and from the bodies' places to their anchors. A host that removes them has cut a rope or a net. None if a number is
+  /// not finite. O(joints).
+  std::vector<JointId> joints_across(Vec2 from, Vec2 to) const;
 
   /// Adds a fluid without particles; kNoFluid and one line in `error` if the description is refused. The first one
   /// decides how fine the grid is on which all are solved: none of a larger spacing can be added later, and the world's

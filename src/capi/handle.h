@@ -38,6 +38,7 @@ struct psim_world {
   std::vector<psim_touch_point> begin_points;
   std::vector<psim_body_id> fell_asleep, woke;
   std::vector<psim_move_event> moves;
+  std::vector<psim_fluid_event> fluid_begin, fluid_end;
   std::vector<psim::PlanEntry> plan_text;
   std::vector<psim_plan_entry> plan;
   std::vector<size_t> plan_bytes;

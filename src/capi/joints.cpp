@@ -12,6 +12,18 @@ psim_result stale_joint(const Call& call, std::uint32_t index) {
   return call.fail(PSIM_ERROR_STALE_ID, "there is no joint " + std::to_string(index) + " of this generation");
 }
 
+// Hands the joints that ask() finds to the host, as many as it has room for.
+template <class Ask>
+psim_result hand_over(const Call& call, const Ask& ask, psim_joint_id* ids, size_t capacity, size_t* count) {
+  if (count == nullptr || (ids == nullptr && capacity != 0)) {
+    return call.fail(PSIM_ERROR_ARGUMENT, "count, and ids where there is room for some, must not be NULL");
+  }
+  const std::vector<psim::JointId> found = ask();
+  for (std::size_t k = 0; k < std::min(capacity, found.size()); ++k) ids[k] = to_c(found[k]);
+  *count = found.size();
+  return PSIM_OK;
+}
+
 }  // namespace
 
 psim_result psim_world_add_joint(psim_world* world, const psim_joint_desc* desc, psim_joint_id* id) {
@@ -106,13 +118,16 @@ psim_result psim_world_set_motor(psim_world* world, psim_joint_id id, double spe
 psim_result psim_world_joints_of(const psim_world* world, psim_body_id id, psim_joint_id* ids, size_t capacity,
                                  size_t* count) {
   return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
-    if (count == nullptr || (ids == nullptr && capacity != 0)) {
-      return call.fail(PSIM_ERROR_ARGUMENT, "count, and ids where there is room for some, must not be NULL");
-    }
-    const std::vector<psim::JointId> found = w.joints_of(to_cpp(id));
-    for (std::size_t k = 0; k < std::min(capacity, found.size()); ++k) ids[k] = to_c(found[k]);
-    *count = found.size();
-    return PSIM_OK;
+    return hand_over(
+        call, [&] { return w.joints_of(to_cpp(id)); }, ids, capacity, count);
+  });
+}
+
+psim_result psim_world_joints_across(const psim_world* world, psim_vec2 from, psim_vec2 to, psim_joint_id* ids,
+                                     size_t capacity, size_t* count) {
+  return guarded(world, __func__, [&](const psim::World& w, const Call& call) -> psim_result {
+    return hand_over(
+        call, [&] { return w.joints_across(to_cpp(from), to_cpp(to)); }, ids, capacity, count);
   });
 }
 

@@ -64,6 +64,50 @@ void copy_hits(std::span<const psim::HitEvent> from, psim_world& world) {
   }
 }
 
+void copy_fluids(std::span<const psim::FluidEvent> from, std::vector<psim_fluid_event>& to) {
+  to.clear();
+  for (const psim::FluidEvent& e : from) to.push_back({to_c(e.sensor), e.part, e.fluid, e.particle});
+}
+
+// The lists of events that a world keeps for its host.
+psim_events lists_of(const psim_world& world) {
+  psim_events out;
+  psim_events_init(&out);
+  out.begin = world.begin.data();
+  out.begin_count = world.begin.size();
+  out.end = world.end.data();
+  out.end_count = world.end.size();
+  out.hits = world.hits.data();
+  out.hit_count = world.hits.size();
+  out.hit_impulses = world.hit_impulses.data();
+  out.hit_impulse_count = world.hit_impulses.size();
+  out.hit_parts = world.hit_parts.data();
+  out.hit_part_count = world.hit_parts.size();
+  out.sensor_begin = world.sensor_begin.data();
+  out.sensor_begin_count = world.sensor_begin.size();
+  out.sensor_end = world.sensor_end.data();
+  out.sensor_end_count = world.sensor_end.size();
+  out.sensor_begin_parts = world.sensor_begin_parts.data();
+  out.sensor_begin_part_count = world.sensor_begin_parts.size();
+  out.sensor_end_parts = world.sensor_end_parts.data();
+  out.sensor_end_part_count = world.sensor_end_parts.size();
+  out.breaks = world.breaks.data();
+  out.break_count = world.breaks.size();
+  out.begin_points = world.begin_points.data();
+  out.begin_point_count = world.begin_points.size();
+  out.fell_asleep = world.fell_asleep.data();
+  out.fell_asleep_count = world.fell_asleep.size();
+  out.woke = world.woke.data();
+  out.woke_count = world.woke.size();
+  out.moves = world.moves.data();
+  out.move_count = world.moves.size();
+  out.fluid_begin = world.fluid_begin.data();
+  out.fluid_begin_count = world.fluid_begin.size();
+  out.fluid_end = world.fluid_end.data();
+  out.fluid_end_count = world.fluid_end.size();
+  return out;
+}
+
 void copy(std::span<const psim::BodyId> from, std::vector<psim_body_id>& to) {
   to.clear();
   for (const psim::BodyId id : from) to.push_back(to_c(id));
@@ -224,7 +268,7 @@ psim_result psim_world_set_event_options(psim_world* world, const psim_event_opt
       return call.fail(PSIM_ERROR_ARGUMENT, "hit_speed must be 0 or more");
     }
     w.set_event_options({given.contacts != 0, given.hits != 0, given.hit_speed, given.sensors != 0, given.sleep != 0,
-                         given.moves != 0});
+                         given.moves != 0, given.fluids != 0});
     return PSIM_OK;
   });
 }
@@ -248,41 +292,14 @@ psim_result psim_world_events(psim_world* world, psim_events* events) {
       world->moves.push_back({to_c(e.body), to_c(e.position), e.angle, e.fell_asleep ? 1 : 0, 0});
     }
     copy_hits(from.hits, *world);
+    copy_fluids(from.fluid_begin, world->fluid_begin);
+    copy_fluids(from.fluid_end, world->fluid_end);
     world->breaks.clear();
     for (const psim::JointBreak& b : from.breaks) {
       world->breaks.push_back(
           {to_c(b.joint), to_c(b.a), to_c(b.b), to_c(b.point), to_c(b.force), b.torque, b.user_data});
     }
-    psim_events out;
-    psim_events_init(&out);
-    out.begin = world->begin.data();
-    out.begin_count = world->begin.size();
-    out.end = world->end.data();
-    out.end_count = world->end.size();
-    out.hits = world->hits.data();
-    out.hit_count = world->hits.size();
-    out.hit_impulses = world->hit_impulses.data();
-    out.hit_impulse_count = world->hit_impulses.size();
-    out.hit_parts = world->hit_parts.data();
-    out.hit_part_count = world->hit_parts.size();
-    out.sensor_begin = world->sensor_begin.data();
-    out.sensor_begin_count = world->sensor_begin.size();
-    out.sensor_end = world->sensor_end.data();
-    out.sensor_end_count = world->sensor_end.size();
-    out.sensor_begin_parts = world->sensor_begin_parts.data();
-    out.sensor_begin_part_count = world->sensor_begin_parts.size();
-    out.sensor_end_parts = world->sensor_end_parts.data();
-    out.sensor_end_part_count = world->sensor_end_parts.size();
-    out.breaks = world->breaks.data();
-    out.break_count = world->breaks.size();
-    out.begin_points = world->begin_points.data();
-    out.begin_point_count = world->begin_points.size();
-    out.fell_asleep = world->fell_asleep.data();
-    out.fell_asleep_count = world->fell_asleep.size();
-    out.woke = world->woke.data();
-    out.woke_count = world->woke.size();
-    out.moves = world->moves.data();
-    out.move_count = world->moves.size();
+    const psim_events out = lists_of(*world);
     write(out, events);
     return PSIM_OK;
   });

@@ -165,6 +165,11 @@ TEST(CApi, ARecordingHoldsAllThatWasDoneAndRunsAgain) {
   joint.a = ids[7];
   ASSERT_EQ(psim_world_add_joint(c.world, &joint, &second), PSIM_OK) << c.last();
   ASSERT_EQ(psim_world_set_motor(c.world, pin, 1, 5), PSIM_OK);
+  std::size_t crossed = 0;
+  psim_joint_id across[1] = {};
+  EXPECT_EQ(psim_world_joints_across(c.world, {-500, -500}, {500, 500}, nullptr, 1, &crossed), PSIM_ERROR_ARGUMENT);
+  ASSERT_EQ(psim_world_joints_across(c.world, {-500, -500}, {-400, -500}, across, 1, &crossed), PSIM_OK) << c.last();
+  EXPECT_EQ(crossed, 0u);
   ASSERT_EQ(psim_world_step_by(c.world, 0.01, nullptr), PSIM_OK);
   ASSERT_EQ(psim_world_remove_joint(c.world, second), PSIM_OK);
   ASSERT_EQ(psim_world_remove_body(c.world, ids[8]), PSIM_OK);

@@ -29,17 +29,17 @@ struct Tank {
       most_iterations = std::max(most_iterations, fluids.counts().iterations);
     }
   }
-  std::vector<Fluids::Seen> look() const {
-    std::vector<Fluids::Seen> seen;
+  std::vector<FluidParticleState> look() const {
+    std::vector<FluidParticleState> seen;
     fluids.look(seen);
-    std::ranges::sort(seen, {}, &Fluids::Seen::id);
+    std::ranges::sort(seen, {}, &FluidParticleState::id);
     return seen;
   }
   // J, by the particles' heights and speeds.
   double energy(double spacing, double ratio) const {
     double sum = fluids.counts().kinetic;
-    for (const Fluids::Seen& p : look()) {
-      sum += (p.fluid == 1 ? ratio : 1) * 1000 * spacing * spacing * 9.81 * p.place.y;
+    for (const FluidParticleState& p : look()) {
+      sum += (p.fluid == 1 ? ratio : 1) * 1000 * spacing * spacing * 9.81 * p.position.y;
     }
     return sum;
   }
@@ -68,13 +68,13 @@ void add_layers(Tank& tank, double spacing, double amplitude) {
 // By how much of cos(k x) the lower edge of fluid 1, which reaches up to the lid, is moved.
 double amplitude_of(const Tank& tank, double spacing) {
   double sum = 0;
-  for (const Fluids::Seen& p : tank.look()) {
-    if (p.fluid == 1) sum -= 2 * spacing * spacing * std::cos(kWaveNumber * p.place.x);
+  for (const FluidParticleState& p : tank.look()) {
+    if (p.fluid == 1) sum -= 2 * spacing * spacing * std::cos(kWaveNumber * p.position.x);
   }
   return sum;
 }
 
-std::vector<Fluids::Seen> turned_over(Isa isa, int threads) {
+std::vector<FluidParticleState> turned_over(Isa isa, int threads) {
   Tank tank(1, 2, 0.04, 3, isa, threads);
   add_layers(tank, 0.04, 0.02);
   tank.run(60);
@@ -90,7 +90,7 @@ TEST(FluidMixture, SameBitsOnEveryIsaAndAnyThreads) {
       const auto seen = turned_over(isa, threads);
       ASSERT_EQ(seen.size(), reference.size());
       for (std::size_t k = 0; k < seen.size(); ++k) {
-        ASSERT_EQ(seen[k].place, reference[k].place) << k;
+        ASSERT_EQ(seen[k].position, reference[k].position) << k;
         ASSERT_EQ(seen[k].velocity, reference[k].velocity) << k;
         ASSERT_EQ(seen[k].pressure, reference[k].pressure) << k;
       }
@@ -107,8 +107,8 @@ TEST(FluidMixture, TwoLayersAtRestCarryTheirWeight) {
   }
   tank.run(600);
   double error = 0, highest = 0, lowest = 1;
-  for (const Fluids::Seen& p : tank.look()) {
-    const double y = p.place.y;
+  for (const FluidParticleState& p : tank.look()) {
+    const double y = p.position.y;
     const double weight = 9810 * (y < 0.5 ? 0.5 - y + kOil * 0.5 : kOil * std::max(0.0, 1 - y));
     error += (p.pressure - weight) * (p.pressure - weight);
     if (p.fluid == 0) highest = std::max(highest, y);
@@ -149,7 +149,7 @@ TEST(FluidMixture, AHeavyDropSinks) {
   }
   tank.run(6);
   double speed = 0, count = 0;
-  for (const Fluids::Seen& p : tank.look()) {
+  for (const FluidParticleState& p : tank.look()) {
     if (p.fluid != 1) continue;
     speed += p.velocity.y;
     ++count;
@@ -163,10 +163,10 @@ TEST(FluidMixture, EveryDensityStaysFinite) {
     add_layers(tank, 0.02, 0.005);
     const double before = tank.energy(0.02, ratio);
     tank.run(90);
-    for (const Fluids::Seen& p : tank.look()) {
+    for (const FluidParticleState& p : tank.look()) {
       ASSERT_TRUE(std::isfinite(p.pressure) && std::isfinite(p.velocity.x) && std::isfinite(p.velocity.y));
       // A displacement may take a particle beyond a wall, from where the next step brings it back.
-      ASSERT_TRUE(p.place.x > -0.04 && p.place.x < 1.04 && p.place.y > -0.04 && p.place.y < 2.04);
+      ASSERT_TRUE(p.position.x > -0.04 && p.position.x < 1.04 && p.position.y > -0.04 && p.position.y < 2.04);
     }
     if (ratio < 1e3) {
       EXPECT_LT(tank.energy(0.02, ratio), before * 1.001) << ratio;
@@ -183,9 +183,9 @@ TEST(FluidMixture, ATankFullToItsLidStaysAtRest) {
   }
   tank.run(240);
   EXPECT_LT(std::sqrt(2 * tank.fluids.counts().kinetic / 1000), 1e-3 * std::sqrt(9.81));
-  for (const Fluids::Seen& p : tank.look()) {
-    EXPECT_NEAR(p.place.x, (p.id % 50 + 0.5) * 0.02, 0.01);
-    EXPECT_NEAR(p.place.y, (p.id / 50 + 0.5) * 0.02, 0.01);
+  for (const FluidParticleState& p : tank.look()) {
+    EXPECT_NEAR(p.position.x, (p.id % 50 + 0.5) * 0.02, 0.01);
+    EXPECT_NEAR(p.position.y, (p.id / 50 + 0.5) * 0.02, 0.01);
   }
 }
 

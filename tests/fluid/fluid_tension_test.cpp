@@ -44,8 +44,8 @@ struct DropTank {
   void run(int frames) {
     for (int k = 0; k < frames; ++k) fluids.step(kDropFrame, {}, nullptr);
   }
-  std::vector<Fluids::Seen> look() const {
-    std::vector<Fluids::Seen> seen;
+  std::vector<FluidParticleState> look() const {
+    std::vector<FluidParticleState> seen;
     fluids.look(seen);
     return seen;
   }
@@ -53,8 +53,8 @@ struct DropTank {
   double pressure(Vec2 at, double r) const {
     double sum = 0;
     int n = 0;
-    for (const Fluids::Seen& p : look()) {
-      const Vec2 d = p.place - at;
+    for (const FluidParticleState& p : look()) {
+      const Vec2 d = p.position - at;
       if (d.x * d.x + d.y * d.y > r * r) continue;
       sum += p.pressure;
       ++n;
@@ -63,17 +63,17 @@ struct DropTank {
   }
   Vec2 middle() const {
     Vec2 sum;
-    const std::vector<Fluids::Seen> seen = look();
-    for (const Fluids::Seen& p : seen) sum = sum + p.place;
+    const std::vector<FluidParticleState> seen = look();
+    for (const FluidParticleState& p : seen) sum = sum + p.position;
     return (1.0 / static_cast<double>(seen.size())) * sum;
   }
   // By how much all is wider than it is high: the ratio of the second moments' roots, less 1.
   double wider() const {
     const Vec2 m = middle();
     double xx = 0, yy = 0;
-    for (const Fluids::Seen& p : look()) {
-      xx += (p.place.x - m.x) * (p.place.x - m.x);
-      yy += (p.place.y - m.y) * (p.place.y - m.y);
+    for (const FluidParticleState& p : look()) {
+      xx += (p.position.x - m.x) * (p.position.x - m.x);
+      yy += (p.position.y - m.y) * (p.position.y - m.y);
     }
     return std::sqrt(xx / yy) - 1;
   }

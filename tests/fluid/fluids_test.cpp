@@ -35,10 +35,10 @@ struct Basin {
     for (int k = 0; k < frames; ++k) fluids.step(kFrame, {0, gravity}, nullptr);
   }
   // By id.
-  std::vector<Fluids::Seen> look() {
-    std::vector<Fluids::Seen> seen;
+  std::vector<FluidParticleState> look() {
+    std::vector<FluidParticleState> seen;
     fluids.look(seen);
-    std::ranges::sort(seen, {}, &Fluids::Seen::id);
+    std::ranges::sort(seen, {}, &FluidParticleState::id);
     return seen;
   }
 
@@ -49,7 +49,7 @@ struct Basin {
 };
 
 // A dam that breaks in a box of 3 x 2 m.
-std::vector<Fluids::Seen> broken_dam(Isa isa, int threads) {
+std::vector<FluidParticleState> broken_dam(Isa isa, int threads) {
   Basin b(isa, threads);
   b.open({0, 0, 3, 2}, Boundary::walls, 0.03);
   b.fill({0, 0}, 0.03, 30, 50);
@@ -57,12 +57,12 @@ std::vector<Fluids::Seen> broken_dam(Isa isa, int threads) {
   return b.look();
 }
 
-void expect_same_bits(const std::vector<Fluids::Seen>& a, const std::vector<Fluids::Seen>& b) {
+void expect_same_bits(const std::vector<FluidParticleState>& a, const std::vector<FluidParticleState>& b) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t k = 0; k < a.size(); ++k) {
     ASSERT_EQ(a[k].id, b[k].id);
-    ASSERT_EQ(a[k].place.x, b[k].place.x) << k;
-    ASSERT_EQ(a[k].place.y, b[k].place.y) << k;
+    ASSERT_EQ(a[k].position.x, b[k].position.x) << k;
+    ASSERT_EQ(a[k].position.y, b[k].position.y) << k;
     ASSERT_EQ(a[k].velocity.x, b[k].velocity.x) << k;
     ASSERT_EQ(a[k].velocity.y, b[k].velocity.y) << k;
     ASSERT_EQ(a[k].pressure, b[k].pressure) << k;
@@ -81,14 +81,15 @@ TEST(Fluids, SameBitsOnEveryIsaAndAnyThreads) {
 }
 
 TEST(Fluids, NobodyLeavesThroughWalls) {
-  for (const Fluids::Seen& p : broken_dam(Isa::avx2, 2)) {
-    EXPECT_TRUE(p.place.x > 0 && p.place.x < 3 && p.place.y > 0 && p.place.y < 2) << p.place.x << " " << p.place.y;
+  for (const FluidParticleState& p : broken_dam(Isa::avx2, 2)) {
+    EXPECT_TRUE(p.position.x > 0 && p.position.x < 3 && p.position.y > 0 && p.position.y < 2)
+        << p.position.x << " " << p.position.y;
     EXPECT_TRUE(std::isfinite(p.velocity.x) && std::isfinite(p.velocity.y));
   }
 }
 
 TEST(Fluids, AFallIsAParabolaWhereverItBegins) {
-  std::vector<Fluids::Seen> first;
+  std::vector<FluidParticleState> first;
   for (const Vec2 corner : {Vec2{0, 0}, Vec2{4096, -8192}}) {
     Basin b;
     b.open({-1e6, -1e6, 1e6, 1e6}, Boundary::open, 0.03125, 0, corner);
@@ -100,8 +101,8 @@ TEST(Fluids, AFallIsAParabolaWhereverItBegins) {
     for (std::size_t k = 0; k < seen.size(); ++k) {
       EXPECT_NEAR(seen[k].velocity.y, -9.81, 1e-3);
       EXPECT_NEAR(seen[k].velocity.x, 1.5, 1e-3);
-      EXPECT_NEAR(seen[k].place.x - corner.x, static_cast<double>(k % 20) * 0.03125 + 1.5, 2e-2);
-      EXPECT_NEAR(seen[k].place.y - corner.y, static_cast<double>(k / 20) * 0.03125 - 4.905, 2e-2);
+      EXPECT_NEAR(seen[k].position.x - corner.x, static_cast<double>(k % 20) * 0.03125 + 1.5, 2e-2);
+      EXPECT_NEAR(seen[k].position.y - corner.y, static_cast<double>(k / 20) * 0.03125 - 4.905, 2e-2);
     }
     if (first.empty()) {
       first = seen;
@@ -109,7 +110,7 @@ TEST(Fluids, AFallIsAParabolaWhereverItBegins) {
       for (std::size_t k = 0; k < seen.size(); ++k) {
         EXPECT_EQ(seen[k].velocity.x, first[k].velocity.x);
         EXPECT_EQ(seen[k].velocity.y, first[k].velocity.y);
-        EXPECT_EQ(seen[k].place.x - corner.x, first[k].place.x);
+        EXPECT_EQ(seen[k].position.x - corner.x, first[k].position.x);
       }
     }
   }
@@ -122,10 +123,10 @@ TEST(Fluids, WaterAtRestCarriesItsWeight) {
   b.fill({0, 0}, 0.02, 50, 50);
   b.run(240);
   double error = 0, top = 0;
-  for (const Fluids::Seen& p : b.look()) {
-    const double off = p.pressure - 9810 * std::max(0.0, 1 - p.place.y);
+  for (const FluidParticleState& p : b.look()) {
+    const double off = p.pressure - 9810 * std::max(0.0, 1 - p.position.y);
     error += off * off;
-    top = std::max(top, p.place.y);
+    top = std::max(top, p.position.y);
   }
   const FluidCounts counts = b.fluids.counts();
   EXPECT_LT(std::sqrt(error / 2500) / 9810, 1e-3);
@@ -153,7 +154,7 @@ TEST(Fluids, AStandingWaveKeepsItsPeriodAndItsHeight) {
   for (int frame = 1; frame <= 500; ++frame) {
     b.run(1);
     double mode = 0;
-    for (const Fluids::Seen& p : b.look()) mode += p.place.y * std::cos(kPi * p.place.x) / 5000;
+    for (const FluidParticleState& p : b.look()) mode += p.position.y * std::cos(kPi * p.position.x) / 5000;
     if (last > 0 && mode <= 0) crossings.push_back((frame - 1 + last / (last - mode)) * kFrame);
     if (crossings.empty()) first_peak = std::max(first_peak, mode);
     if (frame > 440) peak = std::max(peak, mode);
@@ -243,9 +244,9 @@ TEST(Fluids, HoneyFallsSlowly) {
     b.fill({0, 0}, 0.04, 20, 30);
     b.run(60);
     double reach = 0;
-    for (const Fluids::Seen& p : b.look()) {
-      EXPECT_TRUE(std::isfinite(p.place.x) && std::isfinite(p.velocity.x));
-      reach = std::max(reach, p.place.x);
+    for (const FluidParticleState& p : b.look()) {
+      EXPECT_TRUE(std::isfinite(p.position.x) && std::isfinite(p.velocity.x));
+      reach = std::max(reach, p.position.x);
     }
     EXPECT_LT(reach, last);
     last = reach;

@@ -137,8 +137,13 @@ void Session::change_options() {
   const std::size_t which = in_.below(8);
   const bool on = in_.chance(128);
   const Vec2 gravity = in_.vec2(-20, 20);
-  const EventOptions events{in_.chance(200), in_.chance(200), in_.chance(100) ? in_.number(0, 5) : 1,
-                            in_.chance(200), in_.chance(200), in_.chance(100)};
+  const EventOptions events{in_.chance(200),
+                            in_.chance(200),
+                            in_.chance(100) ? in_.number(0, 5) : 1,
+                            in_.chance(200),
+                            in_.chance(200),
+                            in_.chance(100),
+                            on};
   const BodyId id = some_body();
   say("option %zu: %d, gravity %g %g, body %u", which, on, gravity.x, gravity.y, id.index);
   switch (which) {

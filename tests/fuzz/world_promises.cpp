@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <tuple>
 
 namespace psim::fuzz {
 namespace {
@@ -69,6 +70,14 @@ std::string event_fault(const World& world) {
         order_fault(events.hits, "hits", true), order_fault(events.sensor_begin, "sensor_begin", false),
         order_fault(events.sensor_end, "sensor_end", false)}) {
     if (!fault.empty()) return fault;
+  }
+  const auto by_place = [](const FluidEvent& e) {
+    return std::tuple(e.sensor.index, e.sensor.generation, e.part, e.particle);
+  };
+  for (const auto& list : {events.fluid_begin, events.fluid_end}) {
+    if (!std::ranges::is_sorted(list, std::ranges::less_equal{}, by_place)) {
+      return "events of fluids: each once, in order";
+    }
   }
   for (const HitEvent& hit : events.hits) {
     if (!finite(hit.point) || !finite(hit.normal) || !finite(hit.speed)) return "a hit is not finite";
@@ -200,6 +209,9 @@ std::string look_fault(World& world) {
     const RayHit one = world.ray_cast(rays[k].from, rays[k].to).value_or(RayHit{});
     if (one.body != hits[k].body || one.fraction != hits[k].fraction) return "ray_cast_batch: as one ray";
   }
+  for (const JointId joint : world.joints_across(rays[0].from, rays[0].to)) {
+    if (!world.is_valid_joint(joint)) return "joints_across: a joint that is there";
+  }
   for (std::uint32_t k = 0; k < 24; ++k) {
     const BodyId id = world.id_of(k);
     if (id == kNoBody) continue;
@@ -231,7 +243,8 @@ bool same_events(const World& one, const World& other) {
     return x.body == y.body && x.position.x == y.position.x && x.angle == y.angle && x.fell_asleep == y.fell_asleep;
   };
   if (!std::ranges::equal(e.fell_asleep, f.fell_asleep) || !std::ranges::equal(e.woke, f.woke) ||
-      !std::ranges::equal(e.moves, f.moves, moves)) {
+      !std::ranges::equal(e.moves, f.moves, moves) || !std::ranges::equal(e.fluid_begin, f.fluid_begin) ||
+      !std::ranges::equal(e.fluid_end, f.fluid_end)) {
     return false;
   }
   return std::ranges::equal(e.begin, f.begin, bodies) && std::ranges::equal(e.end, f.end, bodies) &&

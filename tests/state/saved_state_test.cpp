@@ -224,7 +224,7 @@ TEST(SavedState, RefusesWhatIsNone) {
   bad = state;
   bad[8] = std::byte{99};
   EXPECT_FALSE(world->restore(bad, error));
-  EXPECT_EQ(error, "its format is 99, this psim reads 32");
+  EXPECT_EQ(error, "its format is 99, this psim reads 33");
   bad = state;
   bad[200] ^= std::byte{1};
   EXPECT_FALSE(world->restore(bad, error));

@@ -99,6 +99,7 @@ struct Given {
   ShapeMove fall{{{0, 5}, 0}, {0, -9}, 1};
   std::vector<Field> fields{WellField{{0, 5}, 3, 1}, DragField{0.1, 0.1}, BuoyancyField{{-20, -10, 20, 0}},
                             WindField{{3, 0}}};
+  Vec2 low{-7, -5}, high{-7, 20};
   std::vector<std::byte> state;
   std::vector<RayInput> rays = std::vector<RayInput>(300, RayInput{{-20, 0.4}, {20, 0.4}});
   std::vector<RayHit> hits = std::vector<RayHit>(300);

@@ -1,5 +1,4 @@
-// Whichever allocation of a call fails, on whichever thread: the call says so by its answer and out_of_memory(), all
-// bodies and joints are as before, and the call can be made again.
+// Whichever allocation of a call fails, on any thread: the call says so, all is as before, and it can be made again.
 #include <gtest/gtest.h>
 #include <psim.h>
 
@@ -99,6 +98,7 @@ const std::vector<Named>& calls() {
       {"fluids", [](World& w) { return pour(w, error); }},
       {"taps", [](World& w) { return open_taps(w, error); }},
       {"fluid in a sensor", [](World& w) { return w.fluid_in_sensor(nth(w, kBar)).has_value(); }},
+      {"cut", [](World& w) { return !w.joints_across(given().low, given().high).empty(); }},
       {"fields", [](World& w) { return w.set_fields(given().fields, error); }},
       {"a sleeper becomes a wall", [](World& w) { return w.set_body(nth(w, kAsleep), given().terrain, error); }},
       {"the ground becomes a bar", [](World& w) { return w.set_body(nth(w, 0), given().bar, error); }},

@@ -1,6 +1,6 @@
 /// @file
-/// C API: descriptions that the caller fills in. Each begins with struct_size; psim_NAME_init sets it
-/// and the defaults. New fields come at the end. <psim/limits.h> says which numbers are allowed.
+/// C API: descriptions that the caller fills in. Each begins with struct_size, which psim_NAME_init sets, as it does the
+/// defaults. New fields come at the end. <psim/limits.h> says which numbers are allowed.
 #pragma once
 
 #include <string.h>
@@ -45,8 +45,7 @@ typedef struct psim_run_options {
   int32_t reserved;      ///< 0
 } psim_run_options;
 
-/// One body. Dynamic bodies turn about their centre of mass, kinematic ones about `position`;
-/// `velocity` is that of the point that the body turns about.
+/// One body. Dynamic bodies turn about their centre of mass, kinematic ones about `position`; `velocity` is of that point.
 typedef struct psim_body_desc {
   uint32_t struct_size;     ///< set by psim_body_desc_init
   int32_t type;             ///< psim_body_type; default dynamic
@@ -107,7 +106,7 @@ typedef struct psim_body_traits {
   int32_t reserved_2;      ///< 0
 } psim_body_traits;
 
-/// Many discs that share everything but place, size and speed. Columns of `count` numbers; NULL stands for zeros.
+/// Many discs that share all but place, size and speed. Columns of `count` numbers; NULL stands for zeros.
 typedef struct psim_disc_batch {
   uint32_t struct_size;          ///< set by psim_disc_batch_init
   int32_t type;                  ///< psim_body_type; default dynamic
@@ -204,6 +203,8 @@ typedef struct psim_event_options {
   double hit_speed;      ///< m/s: slower impacts are not told; default 1
   int32_t sleep;         ///< flag: who falls asleep and who wakes
   int32_t moves;         ///< flag: who moved, and whereto
+  int32_t fluids;        ///< flag: which particles enter and leave sensors
+  int32_t reserved;      ///< 0
 } psim_event_options;
 
 /// Costs of work on one machine with one number of threads. psim_measure_costs fills it in; hand it on as it is.
@@ -298,9 +299,8 @@ enum psim_struct {
   PSIM_STRUCT_EMITTER_DESC = 23   ///< psim_emitter_desc
 };
 
-/// Fills `size` bytes with the defaults of a struct and sets its struct_size to `size`: what the
-/// functions below call, and bindings of other languages with the size of their own struct. Does
-/// nothing if the struct is NULL, the kind unknown or the size below 8.
+/// Fills `size` bytes with the defaults of a struct and sets its struct_size to `size`, which may be that of the struct of
+/// another language. It does nothing if the struct is NULL, the kind unknown or the size below 8.
 PSIM_API void psim_init(void* object, int32_t kind, uint32_t size);
 
 /// Sets the defaults.

@@ -62,6 +62,12 @@ PSIM_API size_t psim_world_joint_count(const psim_world* world);
 PSIM_API psim_result psim_world_joints_of(const psim_world* world, psim_body_id id, psim_joint_id* ids, size_t capacity,
                                           size_t* count);
 
+/// The joints whose lines the segment from `from` to `to`, metres, crosses or touches, by index: the lines that
+/// psim_world_debug_draw draws of them. None if a number is not finite. `*count` gets how many there are; `ids` (may be
+/// NULL) has room for `capacity` of them.
+PSIM_API psim_result psim_world_joints_across(const psim_world* world, psim_vec2 from, psim_vec2 to, psim_joint_id* ids,
+                                              size_t capacity, size_t* count);
+
 #ifdef __cplusplus
 }
 #endif

@@ -123,6 +123,14 @@ typedef struct psim_contact_group {
                     ///< spreads a step over frames
 } psim_contact_group;
 
+/// A particle of a fluid entered or left a sensor.
+typedef struct psim_fluid_event {
+  psim_body_id sensor;  ///< the body
+  uint32_t part;        ///< which part of it
+  uint32_t fluid;       ///< what the particle is of
+  uint32_t particle;    ///< psim_fluid_particle.id
+} psim_fluid_event;
+
 /// Of the last step, each list ordered by a, then b.
 typedef struct psim_events {
   uint32_t struct_size;                  ///< set by psim_events_init
@@ -155,6 +163,10 @@ typedef struct psim_events {
   size_t sensor_begin_part_count;        ///< as many
   const uint32_t* sensor_end_parts;      ///< of each event in `sensor_end`
   size_t sensor_end_part_count;          ///< as many
+  const psim_fluid_event* fluid_begin;   ///< particles that are in a sensor and were not: by sensor, part and particle
+  size_t fluid_begin_count;              ///< how many
+  const psim_fluid_event* fluid_end;     ///< particles that were in a sensor and are not, or are gone
+  size_t fluid_end_count;                ///< how many
 } psim_events;
 
 /// Sets the defaults.

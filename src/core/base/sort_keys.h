@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -15,6 +16,22 @@ namespace psim {
 template <std::random_access_iterator Iterator>
 requires std::integral<std::iter_value_t<Iterator>>
 void sort_keys(Iterator begin, Iterator end) { std::sort(begin, end); }
+
+/// Sorts keys by their upper 32 bits, by digits from the last to the first. Equal ones keep their order. O(keys).
+inline void sort_by_upper_half(std::vector<std::uint64_t>& keys) {
+  constexpr unsigned kBits = 11;
+  constexpr std::size_t kDigits = std::size_t{1} << kBits;
+  std::vector<std::uint64_t> spare(keys.size());
+  for (unsigned shift = 32; shift < 64; shift += kBits) {
+    std::array<std::size_t, kDigits + 1> at{};
+    const auto digit = [shift](std::uint64_t key) { return (key >> shift) % kDigits; };
+    for (const std::uint64_t key : keys) ++at[digit(key) + 1];
+    if (at[1] == keys.size()) continue;  // all are 0 here
+    for (std::size_t d = 1; d <= kDigits; ++d) at[d] += at[d - 1];
+    for (const std::uint64_t key : keys) spare[at[digit(key)]++] = key;
+    keys.swap(spare);
+  }
+}
 
 /// Spreads a key over all 64 bits (the last step of SplitMix64; Steele, Lea, Flood 2014).
 inline std::uint64_t mixed(std::uint64_t key) {

@@ -117,20 +117,24 @@ bool Fluids::emit(double dt, Vec2 gravity, const Bounds& bounds) {
   return room;
 }
 
+void Fluids::look_in(const Bounds& box, const SeeParticle& see) const {
+  particles_.each_near(solver_.grid(), box, space_, [&](const kernels::FluidParticle& p, const FluidTile& tile) {
+    const Vec2 at = FluidParticles::place_of(p, tile, space_);
+    if (at.x >= box.xmin && at.x <= box.xmax && at.y >= box.ymin && at.y <= box.ymax) see(p, at);
+  });
+}
+
 FluidAmount Fluids::amount_in(const Bounds& box, FluidId fluid, const std::function<bool(Vec2)>& holds) const {
   FluidAmount sum;
   Vec2 momentum;
-  const auto see = [&](const kernels::FluidParticle& p, const FluidTile& tile) {
-    if (fluid != kNoFluid && p.fluid != fluid) return;
-    const Vec2 at = FluidParticles::place_of(p, tile, space_);
-    if (!(at.x >= box.xmin && at.x <= box.xmax && at.y >= box.ymin && at.y <= box.ymax) || !holds(at)) return;
+  look_in(box, [&](const kernels::FluidParticle& p, Vec2 at) {
+    if ((fluid != kNoFluid && p.fluid != fluid) || !holds(at)) return;
     const FluidKind& kind = kinds_[p.fluid];
     const double mass = kind.density * kind.spacing * kind.spacing;
     ++sum.particles;
     sum.mass += mass;
     momentum = momentum + mass * Vec2{double{p.u}, double{p.v}};
-  };
-  particles_.each_near(solver_.grid(), box, space_, see);
+  });
   if (sum.mass > 0) sum.mean_velocity = (1 / sum.mass) * momentum;
   return sum;
 }

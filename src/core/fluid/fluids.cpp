@@ -307,57 +307,7 @@ FluidCounts Fluids::counts() const {
   return c;
 }
 
-namespace {
-
-// A field at a place in a tile by the kernel, from the full cells alone, of each what its value and its slope say.
-double value_beside(const FluidGrid& grid, std::size_t tile, S::Field f, double x, double y) {
-  constexpr double kFar = 2 * kTile;  // cells from the corner of the tile
-  if (!(std::fabs(x) <= kFar && std::fabs(y) <= kFar) || grid.tiles[tile].dry) return 0;
-  const float *value = grid.field(f, tile), *diagonal = grid.field(S::kDiagonal, tile);
-  const auto full = [&](std::size_t n) { return diagonal[n] > 0; };
-  const auto slope = [&](std::size_t n, std::size_t step) {
-    const bool after = full(n + step), before = full(n - step);
-    const double next = after ? double{value[n + step]} - value[n] : 0,
-                 last = before ? double{value[n]} - value[n - step] : 0;
-    return after && before ? (next + last) / 2 : next + last;
-  };
-  const auto weight = [](double t) {
-    t = std::fabs(t);
-    return t < 0.5 ? 0.75 - t * t : t < 1.5 ? 0.5 * (1.5 - t) * (1.5 - t) : 0.0;
-  };
-  const auto ci = static_cast<std::int32_t>(std::floor(x)), cj = static_cast<std::int32_t>(std::floor(y));
-  double sum = 0, weights = 0;
-  for (std::int32_t j = cj - 1; j <= cj + 1; ++j) {
-    for (std::int32_t i = ci - 1; i <= ci + 1; ++i) {
-      if (i < 0 || j < 0 || i >= grid.tiles[tile].wide || j >= grid.tiles[tile].high) continue;
-      const std::size_t n = tile_node(i, j);
-      if (!full(n)) continue;
-      const double dx = x - i - 0.5, dy = y - j - 0.5, w = weight(dx) * weight(dy);
-      sum += w * (value[n] + dx * slope(n, 1) + dy * slope(n, static_cast<std::size_t>(kernels::kTilePitch)));
-      weights += w;
-    }
-  }
-  return weights > 0 ? sum / weights : 0;
-}
-
-}  // namespace
-
-void Fluids::look(std::vector<Seen>& out) const {
-  out.clear();
-  out.reserve(particles_.size());
-  const FluidGrid& grid = solver_.grid();
-  const double pressure = dt_ > 0 ? kinds_[0].density / dt_ / (1 - double{kHistory}) : 0;
-  particles_.each(grid, [&](const kernels::FluidParticle& p, const FluidTile& tile, std::uint32_t t) {
-    const bool stepped = t != FluidTile::kNone;
-    const double error = stepped ? value_beside(grid, t, S::kError, p.x, p.y) : 0;
-    out.push_back({p.id,
-                   p.fluid,
-                   FluidParticles::place_of(p, tile, space_),
-                   {double{p.u}, double{p.v}},
-                   kinds_[p.fluid].density * (1 + error),
-                   stepped ? pressure * value_beside(grid, t, S::kPressure, p.x, p.y) : 0});
-  });
-}
+double Fluids::pressure_unit() const { return dt_ > 0 ? kinds_[0].density / dt_ / (1 - double{kHistory}) : 0; }
 
 std::uint64_t Fluids::hash(std::uint64_t before) const {
   struct Moving {
@@ -371,7 +321,7 @@ std::uint64_t Fluids::hash(std::uint64_t before) const {
     order.push_back(std::uint64_t{p.id} << 32 | seen.size());
     seen.push_back({FluidParticles::place_of(p, tile, space_), {double{p.u}, double{p.v}}});
   });
-  psim::sort_keys(order.begin(), order.end());
+  sort_by_upper_half(order);
   std::uint64_t hash = before;
   const auto mix = [&hash](std::uint64_t value) { hash = mixed(hash * 0x9E3779B97F4A7C15u + value); };
   // Adding zero makes -0 the same as 0. All NaN are alike.

@@ -97,6 +97,9 @@ class Fluids {
   void drain();
   /// Emitters let out what flows in dt seconds. False if there was no memory for some of it. After step() and drain().
   bool emit(double dt, Vec2 gravity, const Bounds& bounds);
+  using SeeParticle = std::function<void(const kernels::FluidParticle&, Vec2)>;
+  /// Shows the particles within a box, and where they are, m, in an order that is always the same.
+  void look_in(const Bounds& box, const SeeParticle& see) const;
   /// What is within a box, and where `holds` says so, of a fluid or of all.
   FluidAmount amount_in(const Bounds& box, FluidId fluid, const std::function<bool(Vec2)>& holds) const;
   std::size_t size() const { return particles_.size(); }
@@ -108,14 +111,12 @@ class Fluids {
   std::uint64_t hash(std::uint64_t before) const;
   /// For saved states (state/describe_fluids.cpp).
   void describe(Archive& a, const Bounds& bounds, Boundary boundary);
-  struct Seen {
-    std::uint32_t id, fluid;
-    Vec2 place, velocity;
-    double density, pressure;  // kg/m^2, N/m
-  };
-  void look(std::vector<Seen>& out) const;
+  /// All particles, by id (query/fluid_readout.cpp).
+  void look(std::vector<FluidParticleState>& out) const;
 
  private:
+  /// N/m by a unit of FluidSolver::kPressure.
+  double pressure_unit() const;
   void let_out(FluidEmitter& emitter, const FluidOutflow& flow, std::size_t count, Vec2 gravity, const Bounds& bounds);
   void describe_kinds(Archive& a, const Bounds& bounds, Boundary boundary);
   bool stays_at_rest(Vec2 gravity, const SolidFinder* finder);

@@ -77,11 +77,13 @@ void EventList::set_options(const EventOptions& options) {
   if (!options.sleep && !options.moves) give_back(sleepers_, asleep_before_);
   if (!options.moves) give_back(moves_);
   if (!options.hits) give_back(hits_);
+  if (!options.fluids) fluids_ = FluidEventList();
 }
 
 void EventList::clear() {
   for (std::vector<TouchEvent>* events : {&begin_, &end_, &sensor_begin_, &sensor_end_}) events->clear();
   hits_.hits.clear();
+  fluids_.clear();
   fell_asleep_.clear();
   woke_.clear();
   moves_.clear();
@@ -350,7 +352,7 @@ void EventList::tell_sensed(const Observed& world) {
   sensed_.swap(felt_);
 }
 
-void EventList::collect(const Observed& world, const QueryIndex& index, const LastStep& last) {
+void EventList::collect(const Observed& world, const QueryIndex& index, const LastStep& last, const Fluids& fluids) {
   // Total order: an index comes again with a higher generation only.
   std::ranges::sort(removed_, {}, [](BodyId id) { return std::pair(id.index, id.generation); });
   if (options_.contacts) {
@@ -362,6 +364,7 @@ void EventList::collect(const Observed& world, const QueryIndex& index, const La
   }
   if (options_.hits) hits_.collect(world);
   if (options_.sensors) gather_sensed(world, index);
+  if (options_.fluids) fluids_.collect(world, index, fluids);
   removed_.clear();
   left_ = false;
 }
@@ -407,7 +410,7 @@ std::size_t EventList::bytes() const {
   return bytes_of(lane_key_, rest_found_, rest_, slept_, sensed_, felt_, now_, began_, ended_, scratch_, paired_,
                   toggled_, count_, touching_, begin_, end_, breaks, began_with_, sleepers_, asleep_before_,
                   fell_asleep_, woke_, moves_) +
-         hits_.bytes() + contacts_.bytes();
+         hits_.bytes() + contacts_.bytes() + fluids_.bytes();
 }
 
 }  // namespace psim

@@ -15,6 +15,7 @@
 
 #include "psim/events.h"
 #include "query/contact_list.h"
+#include "query/fluid_events.h"
 #include "query/query_index.h"
 
 namespace psim {
@@ -60,7 +61,10 @@ class EventList {
   void describe(class Archive& a, std::uint32_t ids);  ///< for saved states
 
   void set_options(const EventOptions& options);
-  bool on() const { return options_.contacts || options_.hits || options_.sensors || options_.sleep || options_.moves; }
+  bool on() const {
+    const EventOptions& o = options_;
+    return o.contacts || o.hits || o.sensors || o.sleep || o.moves || o.fluids;
+  }
 
   /// A body was removed, or frozen, which leaves its id valid (`same`).
   void body_left(BodyId id, bool same) {
@@ -79,7 +83,7 @@ class EventList {
     if (options_.hits) hits_.approach(world, options_.hit_speed, dt);
   }
   /// After the step: finds all events but those of sleep. O(contacts) for touching; a query for each sensor.
-  void collect(const Observed& world, const QueryIndex& index, const LastStep& last);
+  void collect(const Observed& world, const QueryIndex& index, const LastStep& last, const Fluids& fluids);
   /// After bodies fell asleep: who did, and who woke. `stepped`: bodies moved. O(sleepers) if any did, O(bodies) for moves.
   void collect_sleep(const Observed& world, bool stepped);
 
@@ -90,7 +94,8 @@ class EventList {
   void start_over();
 
   Events view() const {
-    return {begin_, end_, hits_.hits, sensor_begin_, sensor_end_, breaks, fell_asleep_, woke_, moves_};
+    return {begin_,       end_,  hits_.hits, sensor_begin_, sensor_end_, breaks,
+            fell_asleep_, woke_, moves_,     fluids_.begin, fluids_.end};
   }
 
   std::vector<JointBreak> breaks;  ///< of the last step, told whether or not the host asks
@@ -144,6 +149,7 @@ class EventList {
   std::vector<BodyId> sleepers_;     // by index, as the host was told of them
   std::vector<BodyId> asleep_before_, fell_asleep_, woke_;
   std::vector<MoveEvent> moves_;
+  FluidEventList fluids_;
 };
 
 }  // namespace psim

@@ -57,7 +57,7 @@ struct FileHeader {
 /// Of a saved state.
 struct ArchiveHeader : FileHeader {
   static constexpr std::uint64_t kMagic = 0x31305653'6D697370u;  // "psimSV01"
-  static constexpr std::uint64_t kFormat = 32;
+  static constexpr std::uint64_t kFormat = 33;
   void seal(std::span<const std::byte> rest) {
     static_cast<FileHeader&>(*this) = {kMagic, kFormat, sizeof *this + rest.size(), hash_of(rest)};
   }

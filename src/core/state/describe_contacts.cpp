@@ -292,9 +292,17 @@ void Manifolds::check_strip(Archive& a, std::size_t index, const ManifoldsAround
   }
 }
 
+void FluidEventList::describe(Archive& a, std::uint32_t ids) {
+  a.list(inside_, [&](FluidEvent& e) {
+    a.index(ids, e.sensor.index);
+    values(a, e.sensor.generation, e.part, e.fluid, e.particle);
+  });
+  if (a.loading()) clear();
+}
+
 void EventList::describe(Archive& a, std::uint32_t ids) {
   values(a, options_.contacts, options_.hits, options_.hit_speed, options_.sensors, options_.sleep, options_.moves,
-         left_, build_);
+         options_.fluids, left_, build_);
   a.list(sleepers_, [&](BodyId& id) {
     a.index(ids, id.index);
     a.value(id.generation);
@@ -319,6 +327,7 @@ void EventList::describe(Archive& a, std::uint32_t ids) {
     values(a, f.first, f.second);
     a.require(f.first >> 32 < ids && static_cast<std::uint32_t>(f.first) < ids);
   });
+  fluids_.describe(a, ids);
   if (!a.loading()) return;
   a.require(std::ranges::is_sorted(sensed_));
   slept_at_ = kNever;

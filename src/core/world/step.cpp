@@ -132,7 +132,7 @@ void collect_events(Owners& w, StepReport& report) {
   if (!w.plan.events) return;
   const StageTimer timer(report, w.tracer, Stage::publish);
   try {
-    w.observers.events.collect(w.observed(), w.observers.queries, last_step(w));
+    w.observers.events.collect(w.observed(), w.observers.queries, last_step(w), w.fluids);
   } catch (const std::bad_alloc&) {
     w.observers.events.start_over();
     lose(report, "events");

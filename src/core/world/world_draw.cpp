@@ -1,4 +1,5 @@
-// World::debug_draw: the observers tell where bodies and contacts are, the joints where their anchors are.
+// What joints and bodies look like (World::debug_draw), and which joints a cut goes through: the observers tell where bodies and contacts are, the joints where their anchors are.
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -35,30 +36,55 @@ void draw_particles(const World& world, const Fluids& fluids, const std::optiona
   }
 }
 
-// A rod or spring is a line; of others the lines lead from the places of the bodies to the anchors.
+using Line = std::pair<Vec2, Vec2>;
+
+// Calls each(from, to) for the lines of a joint. A rod or spring is a line; of others the lines lead from the places of the
+// bodies to the anchors.
+template <class Each>
+void each_line(const World& world, JointId id, const JointState& joint, const Each& each) {
+  if (joint.type == JointType::filter) return;
+  const auto arm = [&](BodyId body, Vec2 anchor) {
+    const auto state = world.body(body);
+    if (state && (state->x != anchor.x || state->y != anchor.y)) each(Vec2{state->x, state->y}, anchor);
+  };
+  arm(joint.a, joint.anchor_a);
+  if (joint.type == JointType::pulley) {
+    const std::optional<JointDesc> desc = world.joint_desc(id);
+    each(desc->ground_a, joint.anchor_a);
+    each(desc->ground_b, joint.anchor_b);
+  } else if (joint.type != JointType::gear) {
+    each(joint.anchor_a, joint.anchor_b);
+  }
+  arm(joint.b, joint.anchor_b);
+}
+
 void draw_joint(const World& world, JointId id, const DebugDrawOptions& options, DebugDraw& to) {
   const std::optional<JointState> joint = world.joint(id);
-  if (!joint || joint->type == JointType::filter) return;
+  if (!joint) return;
   if (options.joints) {
-    const auto arm = [&](BodyId body, Vec2 anchor) {
-      const auto state = world.body(body);
-      if (state && (state->x != anchor.x || state->y != anchor.y))
-        to.line({state->x, state->y}, anchor, DrawKind::joint);
-    };
-    arm(joint->a, joint->anchor_a);
-    if (joint->type != JointType::gear && joint->type != JointType::pulley) {
-      to.line(joint->anchor_a, joint->anchor_b, DrawKind::joint);
-    }
-    if (joint->type == JointType::pulley) {
-      const std::optional<JointDesc> desc = world.joint_desc(id);
-      to.line(desc->ground_a, joint->anchor_a, DrawKind::joint);
-      to.line(desc->ground_b, joint->anchor_b, DrawKind::joint);
-    }
-    arm(joint->b, joint->anchor_b);
+    each_line(world, id, *joint, [&](Vec2 from, Vec2 end) { to.line(from, end, DrawKind::joint); });
   }
-  if (options.forces && (joint->force.x != 0 || joint->force.y != 0)) {
+  if (options.forces && joint->type != JointType::filter && (joint->force.x != 0 || joint->force.y != 0)) {
     to.line(joint->anchor_b, joint->anchor_b + options.force_scale * joint->force, DrawKind::force);
   }
+}
+
+// Which side of a line a point is on: 1 left, -1 right, 0 on it.
+int side_of_line(const Line& line, Vec2 point) {
+  const double area = cross(line.second - line.first, point - line.first);
+  return (area > 0) - (area < 0);
+}
+
+// Whether two segments have a point in common.
+bool have_common_point(const Line& a, const Line& b) {
+  const auto apart = [](double a0, double a1, double b0, double b1) {
+    return std::max(a0, a1) < std::min(b0, b1) || std::max(b0, b1) < std::min(a0, a1);
+  };
+  if (apart(a.first.x, a.second.x, b.first.x, b.second.x) || apart(a.first.y, a.second.y, b.first.y, b.second.y)) {
+    return false;
+  }
+  return side_of_line(a, b.first) * side_of_line(a, b.second) <= 0 &&
+         side_of_line(b, a.first) * side_of_line(b, a.second) <= 0;
 }
 
 void draw_contact(const Contact& c, const DebugDrawOptions& options, double dt, DebugDraw& to) {
@@ -74,6 +100,23 @@ void draw_contact(const Contact& c, const DebugDrawOptions& options, double dt, 
 }
 
 }  // namespace
+
+std::vector<JointId> World::joints_across(Vec2 from, Vec2 to) const try {
+  const FloatSettings settings;
+  std::vector<JointId> found;
+  if (!std::isfinite(from.x + from.y) || !std::isfinite(to.x + to.y)) return found;
+  for (std::uint32_t k = 0; k < impl_->joints.indices(); ++k) {
+    const JointId id = impl_->joints.id_of(k);
+    const std::optional<JointState> state = joint(id);
+    if (!state) continue;
+    bool crossed = false;
+    each_line(*this, id, *state, [&](Vec2 a, Vec2 b) { crossed = crossed || have_common_point({a, b}, {from, to}); });
+    if (crossed) found.push_back(id);
+  }
+  return found;
+} catch (const std::bad_alloc&) {
+  return nothing_found<std::vector<JointId>>();
+}
 
 bool World::debug_draw(DebugDraw& to, const DebugDrawOptions& options) try {
   const FloatSettings settings;

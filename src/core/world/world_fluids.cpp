@@ -2,7 +2,6 @@
 #include <vector>
 
 #include "base/range_text.h"
-#include "base/sort_keys.h"
 #include "psim/limits.h"
 #include "world/world_impl.h"
 
@@ -72,18 +71,7 @@ bool World::add_particles(FluidId fluid, std::span<const Vec2> positions, std::s
 
 void World::fluid_particles(std::vector<FluidParticleState>& out) const try {
   const FloatSettings settings;
-  std::vector<Fluids::Seen> seen;
-  impl_->fluids.look(seen);
-  std::vector<std::uint64_t> order;  // of ids, with places in `seen`
-  order.reserve(seen.size());
-  for (const Fluids::Seen& p : seen) order.push_back(std::uint64_t{p.id} << 32 | order.size());
-  psim::sort_keys(order.begin(), order.end());
-  out.clear();
-  out.reserve(seen.size());
-  for (const std::uint64_t key : order) {
-    const Fluids::Seen& p = seen[key & 0xFFFFFFFFu];
-    out.push_back({p.id, p.fluid, p.place, p.velocity, p.density, p.pressure});
-  }
+  impl_->fluids.look(out);
 } catch (const std::bad_alloc&) {
   out.clear();
   ran_out_of_memory() = true;
