@@ -33,7 +33,7 @@ list(JOIN _exported "," _exported)
 # psim_web_module(NAME DEFINITION): the library as an ES module. It sees no file. What names the instruction sets comes
 # with the sources and not from the archive, and so do not the kernels that it does not name under the definition.
 function(psim_web_module name definition)
-  add_executable(${name} src/web/flat_scene.cpp src/web/flat_world.cpp src/core/base/isa.cpp)
+  add_executable(${name} src/web/flat_scene.cpp src/web/flat_world.cpp src/web/flat_fluids.cpp src/core/base/isa.cpp)
   psim_target_defaults(${name})
   target_compile_definitions(${name} PRIVATE ${definition})
   target_include_directories(${name} PRIVATE include src/capi src/scene src/core src/kernels)

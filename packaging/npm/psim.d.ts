@@ -69,6 +69,8 @@ export interface Scene {
   substeps: number;
   /** What bodies look like: body `id` is all[of[id]]. */
   shapes(): { of: Uint32Array; all: Shape[] };
+  /** What its fluids are made of: fluid 0 first. */
+  readonly fluids: Fluid[];
   world(options?: WorldOptions): World;
   /** Adds the scene's bodies, not its groups and joints, to a world. */
   addTo(world: World): Id[];
@@ -122,6 +124,34 @@ export interface Snapshot {
   speed: Float32Array;
   asleep: Uint8Array;
   origin: [number, number];
+}
+
+/** What a fluid of a scene is made of. */
+export interface Fluid {
+  /** Metres between the particles of a full region. A particle is drawn as a disc of half of it. */
+  spacing: number;
+  /** kg/m^2. */
+  density: number;
+  /** m^2/s. */
+  viscosity: number;
+  /** N/m. */
+  surfaceTension: number;
+}
+
+/** Columns of the particles of all fluids in the order of their ids. */
+export interface FluidParticles {
+  count: number;
+  id: Uint32Array;
+  /** The number of the particle's fluid, which is its place in Scene.fluids. */
+  fluid: Uint32Array;
+  x: Float64Array;
+  y: Float64Array;
+  vx: Float64Array;
+  vy: Float64Array;
+  /** kg/m^2, where the particle is, as of the last step. */
+  density: Float64Array;
+  /** N/m, likewise; 0 before the first step. */
+  pressure: Float64Array;
 }
 
 export interface JointOptions {
@@ -193,6 +223,8 @@ export interface World {
   setSnapshots(on: boolean): void;
   /** The newest snapshot, valid as `state`; nothing before the first step with snapshots on. */
   snapshot(): Snapshot | undefined;
+  /** The particles of all fluids, valid as `state`. The module copies them: O(particles). */
+  fluidParticles(): FluidParticles;
 
   /** Bodies in the words of scene files: {shape: {disc: {radius: 1}}, position: [0, 5]}. */
   add(body: object, materials?: object): Id;

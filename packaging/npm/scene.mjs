@@ -25,6 +25,7 @@ export class Scene {
   /** What the bodies look like: `of[id]` is a row of `all`. Bodies alike share a row; one of several shapes has `parts`. */
   shapes() {
     const m = this.#memory;
+    if (this.bodies === 0) return { of: new Uint32Array(0), all: [] };
     const first = m.need(m.call('_psim_flat_scene_shape_of', this.#at)) >> 2;
     const starts = m.u32.slice(first, first + this.bodies);
     const numbers = m.call('_psim_flat_scene_shape_numbers', this.#at);
@@ -45,6 +46,16 @@ export class Scene {
       row.set(begin, row.get(key));
     }
     return { of: starts.map((start) => row.get(start)), all };
+  }
+
+  /** What its fluids are made of; the first one is fluid 0 of World.fluidParticles. */
+  get fluids() {
+    const m = this.#memory;
+    return Array.from({ length: m.call('_psim_flat_scene_fluids', this.#at) }, (_, k) => m.numbers(4, (at) => {
+      m.call('_psim_flat_scene_fluid', this.#at, k, at);
+      const [spacing, density, viscosity, surfaceTension] = m.f64.subarray(at >> 3, (at >> 3) + 4);
+      return { spacing, density, viscosity, surfaceTension };
+    }));
   }
 
   world(options = {}) {

@@ -107,6 +107,16 @@ export class World {
     });
   }
 
+  fluidParticles() {
+    const m = this.#memory;
+    const words = ['id', 'fluid'].map((name) => [name, Uint32Array]);
+    const doubles = ['x', 'y', 'vx', 'vy', 'density', 'pressure'].map((name) => [name, Float64Array]);
+    return m.numbers(16, (at) => {
+      m.check(m.call('_psim_flat_fluid_particles', this.address, at), this.address);
+      return this.#columns([...words, ...doubles], at);
+    });
+  }
+
   // ---- bodies ----
   /** Bodies in the words of scene files, such as {shape: {disc: {radius: 1}}, position: [0, 5]}. */
   add(bodies, materials = undefined) {

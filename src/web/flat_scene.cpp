@@ -149,6 +149,15 @@ PSIM_FLAT const double* psim_flat_scene_shapes(const psim_flat_scene* scene) { r
 PSIM_FLAT int psim_flat_scene_shape_numbers(const psim_flat_scene* scene) {
   return static_cast<int>(scene->shapes.size());
 }
+/// The number of fluids; the first one has number 0.
+PSIM_FLAT int psim_flat_scene_fluids(const psim_flat_scene* scene) {
+  return static_cast<int>(scene->scene.fluids.size());
+}
+/// out: spacing, density, viscosity, surface tension.
+PSIM_FLAT void psim_flat_scene_fluid(const psim_flat_scene* scene, int k, double* out) {
+  const psim::FluidDesc& fluid = scene->scene.fluids[static_cast<std::size_t>(k)].fluid;
+  out[0] = fluid.spacing, out[1] = fluid.density, out[2] = fluid.viscosity, out[3] = fluid.surface_tension;
+}
 PSIM_FLAT int psim_flat_scene_bodies(const psim_flat_scene* scene) {
   return static_cast<int>(scene->scene.body_count());
 }

@@ -1,7 +1,9 @@
-// The package in Node: scenes, steps, columns, bodies, queries, hands, saved states, errors, and both modules.
+// The package in Node: scenes, steps, columns, fluids, bodies, queries, hands, saved states, errors, and both modules.
 import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
 import { test } from 'node:test';
 import { abilities, load } from '../../build/web/npm/psim.mjs';
+import { root } from './places.mjs';
 
 const psim = await load();
 const ground = { type: 'static', shape: { segment: { p1: [-50, 0], p2: [50, 0] } }, position: [0, 0] };
@@ -198,6 +200,58 @@ test('memory grows and comes back', () => {
     scene.free();
   }
   assert.equal(sizes.at(-1), sizes[1], `${sizes}`);
+});
+
+// A drop of another liquid above a pool: 20 x 5 particles lie, 4 x 4 fall.
+const pool = {
+  psim: 1, world: { bounds: [0, 0, 2, 4], boundary: 'walls', gravity: [0, -9.81] },
+  fluids: [{ region: [0, 0, 2, 0.5], spacing: 0.1 },
+           { region: [0.8, 2, 1.2, 2.4], spacing: 0.1, density: 800, viscosity: 0.01, velocity: [0, -1] }],
+};
+
+test('particles of fluids are views on the memory of the module', () => {
+  const scene = psim.scene(pool);
+  assert.deepEqual(scene.fluids, [{ spacing: 0.1, density: 1000, viscosity: 0, surfaceTension: 0 },
+                                  { spacing: 0.1, density: 800, viscosity: 0.01, surfaceTension: 0 }]);
+  assert.deepEqual(scene.shapes(), { of: new Uint32Array(0), all: [] }, 'a scene without bodies has no shapes');
+  const world = scene.world();
+  const start = world.fluidParticles();
+  assert.equal(start.count, 116);
+  assert.equal(start.x.buffer, world.state().x.buffer);
+  assert.deepEqual([...start.id], Array.from({ length: 116 }, (_, k) => k));
+  assert.deepEqual([...start.fluid], Array.from({ length: 116 }, (_, k) => (k < 100 ? 0 : 1)));
+  const near = (value, wanted, error = 1e-6) => assert.ok(Math.abs(value - wanted) < error, `${value}, not ${wanted}`);
+  near(start.x[0], 0.05), near(start.y[0], 0.05), near(start.x[19], 1.95), near(start.y[99], 0.45);
+  near(start.x[100], 0.85), near(start.y[100], 2.05), near(start.vy[100], -1), near(start.vy[0], 0);
+  assert.deepEqual([...new Set(start.pressure)], [0]);
+  for (let k = 0; k < 12; ++k) world.step();
+  const now = world.fluidParticles();
+  const t = 12 * world.settings.dt;
+  for (let k = 100; k < 116; ++k) near(now.vy[k], -1 - 9.81 * t, 0.02), near(now.vx[k], 0, 0.02);
+  near(now.y[100], 2.05 - t - 9.81 / 2 * t * t, 0.03);
+  near(now.density[50], 1000, 100);
+  assert.ok(now.pressure[10] > 1000, `a pool of half a metre presses on its bottom with ${now.pressure[10]} N/m`);
+  world.free();
+  scene.free();
+  const dry = psim.world(empty);
+  assert.equal(dry.fluidParticles().count, 0);
+  assert.deepEqual(psim.builtin('arch').fluids, []);
+  dry.free();
+});
+
+test('fluids have the same bits in both modules', async () => {
+  const plain = await load({ abilities: { simd: false, exceptions: true, threads: false } });
+  const boats = readFileSync(`${root}scenes/boats.json`, 'utf8');
+  const [there, here] = [plain, psim].map((lib) => {
+    const world = lib.world(boats);
+    for (let k = 0; k < 30; ++k) world.step();
+    const { count, x, y } = world.fluidParticles();
+    const end = { hash: world.hash(), count, x: x.slice(), y: y.slice() };
+    world.free();
+    return end;
+  });
+  assert.ok(here.count > 8000);
+  assert.deepEqual(here, there);
 });
 
 test('shapes say what bodies look like', () => {
