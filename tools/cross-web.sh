@@ -34,9 +34,10 @@ psim_fetch_zlib() {
 # The page, the package and the program in one folder, from both builds.
 psim_web_gather() {
   local out="$psim_root/build/web" threads="$psim_root/build/web-threads"
-  mkdir -p "$out/npm/wasm" "$out/page"
+  mkdir -p "$out/npm/wasm" "$out/page" "$out/scenes"
   cp "$psim_root"/web/{psim.mjs,serve.mjs,index.html} "$out"
   cp "$psim_root"/web/page/* "$out/page"
+  cp "$psim_root"/scenes/*.json "$out/scenes"
   cp "$psim_root"/packaging/npm/* "$psim_root/LICENSE" "$out/npm"
   cp "$out"/psim-{simd,plain}.{mjs,wasm} "$out/npm/wasm"
   cp "$threads"/psim-simd-threads.{mjs,wasm,worker.js} "$out/npm/wasm"

@@ -3,6 +3,7 @@ import assert from 'node:assert/strict';
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { test } from 'node:test';
+import { colourOf } from '../../build/web/page/fluids.mjs';
 import { serve } from '../../build/web/serve.mjs';
 import { Chromium, browser } from './chromium.mjs';
 import { built, root } from './places.mjs';
@@ -97,6 +98,7 @@ test('the hash on the page is that of Node', { skip }, async () => {
 test('every scene of the gallery starts', { skip }, async () => {
   await onPage({ name: 'gallery', query: '?scene=washer&threads=1' }, async (page) => {
     const scenes = await page.ask('[...document.getElementById("scene").options].map((o) => o.value)');
+    for (const fluid of ['boats', 'dam_break', 'tap']) assert.ok(scenes.includes(fluid), fluid);
     for (const name of scenes) {
       await page.ask(`(e => { e.value = ${JSON.stringify(name)}; e.dispatchEvent(new Event('change')); })(document.getElementById('scene'))`);
       await page.until(`${state('frame')} > 2`);
@@ -105,6 +107,51 @@ test('every scene of the gallery starts', { skip }, async () => {
     await page.ask(`(e => { e.value = 'washer'; e.dispatchEvent(new Event('change')); })(document.getElementById('scene'))`);
     await page.until(`${state('frame')} > 60`, 120);
   });
+});
+
+/** Of each fluid: the share of its particles at whose places the canvas has the fluid's colour; how many pixels have this
+ * colour, and how many would if discs did not overlap: the outermost half pixel of a disc is paler. */
+const water = (fluids) => `(() => { const c = document.getElementById('view'), gl = c.getContext('webgl2');
+  const { width: w, height: h } = c, camera = psimPage.camera, scale = camera.pixelsAMetre(w, h);
+  const p = new Uint8Array(4 * w * h);
+  gl.readPixels(0, 0, w, h, gl.RGBA, gl.UNSIGNED_BYTE, p);
+  const { count, fluid, x, y } = psimPage.world.fluidParticles();
+  return ${JSON.stringify(fluids)}.map(({ rgb, spacing }, f) => {
+    const is = (k) => rgb.every((part, j) => Math.abs(p[k + j] - part) < 8);
+    let all = 0, seen = 0, pixels = 0;
+    for (let k = 0; k < count; ++k) {
+      if (fluid[k] !== f) continue;
+      const column = Math.floor(w / 2 + (x[k] - camera.x) * scale), row = Math.floor(h / 2 + (y[k] - camera.y) * scale);
+      ++all, seen += is(4 * (row * w + column));
+    }
+    for (let k = 0; k < p.length; k += 4) pixels += is(k);
+    return { all, share: seen / all, pixels, area: all * Math.PI * (spacing / 2 * scale - 0.5) ** 2 };
+  }); })()`;
+
+test('fluids are drawn where their particles are', { skip }, async () => {
+  const bytes = (f) => colourOf(f).map((part) => Math.round(255 * part));
+  for (const [name, spacing, least] of [['boats', 0.04, [7000, 1600]], ['dam_break', 0.01, [20000]]]) {
+    await onPage({ name, query: `?scene=${name}` }, async (page) => {
+      const fluids = least.map((_, f) => ({ rgb: bytes(f), spacing }));
+      for (const frames of [6, 40]) {
+        await page.until(`${state('frame')} > ${frames}`);
+        const drawn = await page.ask(water(fluids));
+        drawn.forEach(({ all, share, pixels, area }, f) => {
+          const words = `${name}, fluid ${f}: ${share} of ${all} particles, ${pixels} pixels of ${area}`;
+          assert.ok(all >= least[f] && share > 0.9 && pixels > 0.5 * area && pixels < 1.5 * area, words);
+        });
+      }
+      const particles = await page.ask(`${state('fluidParticles()')}.count`);
+      assert.ok((await page.ask('document.getElementById("status").textContent')).includes(`${particles.toLocaleString('en')} particles`));
+    });
+  }
+});
+
+test('the colours of fluids are those of pictures', () => {
+  const source = readFileSync(`${root}src/psim/surface/fluid_field.cpp`, 'utf8');
+  const colours = /kColours = \{(.*)\};/.exec(source)[1].split(',').map(Number);
+  const bytes = (f) => colourOf(f).reduce((rgb, part) => 256 * rgb + Math.round(255 * part), 0);
+  assert.deepEqual([...colours, colours[0]].map((_, f) => bytes(f)), [...colours, colours[0]]);
 });
 
 const shown = 'document.getElementById("scene").value', message = 'document.getElementById("message").textContent';

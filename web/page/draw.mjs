@@ -1,4 +1,7 @@
-// Draws bodies with WebGL2: one instanced call for all discs, one for each other shape.
+// Draws a world with WebGL2: fluids (fluids.mjs), and on top of them bodies, with one instanced call for all discs and one
+// for each other shape.
+import { Fluids } from './fluids.mjs';
+import { programOf } from './program.mjs';
 
 const vertexText = `#version 300 es
 layout(location = 0) in vec2 corner;
@@ -81,17 +84,9 @@ export class Picture {
     this.canvas = canvas;
     const gl = (this.gl = canvas.getContext('webgl2', { antialias: true, preserveDrawingBuffer: true }));
     if (!gl) throw new Error('this browser has no WebGL2');
-    this.program = gl.createProgram();
-    for (const [type, text] of [[gl.VERTEX_SHADER, vertexText], [gl.FRAGMENT_SHADER, fragmentText]]) {
-      const shader = gl.createShader(type);
-      gl.shaderSource(shader, text);
-      gl.compileShader(shader);
-      gl.attachShader(this.program, shader);
-    }
-    gl.linkProgram(this.program);
-    if (!gl.getProgramParameter(this.program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(this.program));
-    const uniform = (name) => gl.getUniformLocation(this.program, name);
-    this.uniforms = Object.fromEntries(['centre', 'scale', 'byRadius', 'pixelsAMetre'].map((n) => [n, uniform(n)]));
+    const { program, uniforms } = programOf(gl, vertexText, fragmentText, ['centre', 'scale', 'byRadius', 'pixelsAMetre']);
+    this.program = program, this.uniforms = uniforms;
+    this.fluids = new Fluids(gl);
     this.instances = gl.createBuffer();
     this.meshes = [];
     this.shapes = []; // the numbers of the meshes of each
@@ -119,7 +114,7 @@ export class Picture {
     return this.meshes.length - 1;
   }
 
-  /** rows: the snapshot; meshOf(id): a number of addShape, which may have several meshes; paint(row, into, at) writes red, green, blue, opacity. */
+  /** rows: the snapshot; meshOf(id): a number of addShape, which may have several meshes; paint(row, into, at) writes red, green, blue, opacity. The particles that `fluids` took are drawn, too. */
   draw(rows, meshOf, paint, camera) {
     const gl = this.gl;
     const { width, height } = this.resize();
@@ -140,8 +135,9 @@ export class Picture {
     gl.viewport(0, 0, width, height);
     gl.clearColor(0.067, 0.082, 0.102, 1);
     gl.clear(gl.COLOR_BUFFER_BIT);
-    gl.useProgram(this.program);
     const pixels = camera.pixelsAMetre(width, height);
+    this.fluids.draw(pixels, width, height);
+    gl.useProgram(this.program);
     gl.uniform2f(this.uniforms.centre, camera.x - rows.origin[0], camera.y - rows.origin[1]);
     gl.uniform2f(this.uniforms.scale, (2 * pixels) / width, (2 * pixels) / height);
     gl.uniform1f(this.uniforms.pixelsAMetre, pixels);

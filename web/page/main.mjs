@@ -9,6 +9,7 @@ const find = (id) => document.getElementById(id);
 const query = new URLSearchParams(location.search);
 const mostBodies = 100000; // of the slider
 const hashEvery = 30; // frames
+const sceneFiles = ['boats', 'dam_break', 'tap']; // what the gallery takes from the folder `scenes`
 
 const show = {
   psim: undefined, world: undefined, scene: undefined, shapes: undefined, camera: new Camera(),
@@ -74,6 +75,7 @@ function start() {
   show.world.setSnapshots(true);
   show.world.setGravity(show.world.settings.gravity[0], Number(find('gravity').value));
   show.shapes = show.scene.shapes();
+  picture.fluids.spacings = show.scene.fluids.map((fluid) => fluid.spacing);
   show.addedMass.clear();
   picture.setShapes(show.shapes.all.length ? show.shapes.all : [{ kind: 'disc' }]);
   show.meshOf = Array.from(show.shapes.of);
@@ -101,6 +103,9 @@ function choose() {
 }
 
 function lookAtAll() {
+  const { bounds, boundary } = show.world.settings;
+  // A fluid goes wherever the walls let it.
+  if (picture.fluids.spacings.length && boundary !== 'open') return show.camera.fit(...bounds);
   const { id, x, y, radius, origin, count } = show.world.snapshot();
   const reaches = show.shapes.all.map((shape) => {
     if (shape.kind === 'line') return 0; // a ground that is much longer than what stands on it
@@ -113,7 +118,6 @@ function lookAtAll() {
     box[0] = Math.min(box[0], x[k] - reach), box[1] = Math.min(box[1], y[k] - reach);
     box[2] = Math.max(box[2], x[k] + reach), box[3] = Math.max(box[3], y[k] + reach);
   }
-  const { bounds } = show.world.settings;
   const within = box.map((v, k) => (k < 2 ? Math.max(v + origin[k], bounds[k]) : Math.min(v + origin[k - 2], bounds[k])));
   show.camera.fit(...(count ? within : bounds));
 }
@@ -155,14 +159,19 @@ function paint(rows) {
   };
 }
 
+const noParticles = { count: 0, fluid: [], x: [], y: [] };
+
 function draw() {
+  const particles = picture.fluids.spacings.length ? show.world.fluidParticles() : noParticles;
+  picture.fluids.take(particles, show.camera);
   const rows = show.world.snapshot();
   if (rows) picture.draw(rows, (id) => show.meshOf[id] ?? 0, paint(rows), show.camera);
   graph.draw();
   const { world, psim } = show;
   const threads = world.threads > 1 ? `, ${world.threads} threads` : '';
+  const fluid = particles.count ? `  ${particles.count.toLocaleString('en')} particles` : '';
   find('status').textContent =
-    `${world.bodyCount.toLocaleString('en')} bodies  ${graph.median.toFixed(2)} ms a step  ${world.isa}${threads}  psim ${psim.version}`;
+    `${world.bodyCount.toLocaleString('en')} bodies${fluid}  ${graph.median.toFixed(2)} ms a step  ${world.isa}${threads}  psim ${psim.version}`;
 }
 
 function tick(now) {
@@ -180,7 +189,8 @@ function tick(now) {
 
 // ---- sliders ----
 function tellSliders() {
-  const values = { bodies: bodiesWanted().toLocaleString('en') };
+  const bodies = chosen().sized || !show.scene ? bodiesWanted() : show.scene.bodies;
+  const values = { bodies: bodies.toLocaleString('en') };
   for (const id of ['bodies', 'gravity', 'substeps', 'speed']) {
     find(id).parentElement.querySelector('output').textContent = values[id] ?? find(id).value;
   }
@@ -211,6 +221,11 @@ async function main() {
   show.psim = await load({ threads });
   say(show.psim.notes.join('\n'));
   names = show.psim.scenes.filter((scene) => scene.bodies <= mostBodies);
+  const files = await Promise.allSettled(sceneFiles.map((name) => fetched(`scenes/${name}.json`)));
+  for (const { value, reason } of files) {
+    if (value) names.push(value);
+    else say(reason.message);
+  }
   const first = await firstOf(query.get('scene')).catch((error) => (say(error.message), 'washer'));
   find('scene').append(...names.map(({ name, description }) => {
     const option = new Option(name, name);
