@@ -39,8 +39,9 @@ PSIM_FLAT int psim_flat_fluid_particles(const psim_world* world, std::uintptr_t*
         w.fluid_particles(columns.particles);
         columns.fill();
         *out++ = columns.particles.size();
-        for (const auto* column : {&columns.id, &columns.fluid})
+        for (const auto* column : {&columns.id, &columns.fluid}) {
           *out++ = reinterpret_cast<std::uintptr_t>(column->data());
+        }
         for (const auto* column :
              {&columns.x, &columns.y, &columns.vx, &columns.vy, &columns.density, &columns.pressure}) {
           *out++ = reinterpret_cast<std::uintptr_t>(column->data());

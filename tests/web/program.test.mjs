@@ -79,6 +79,12 @@ test('states and files of the native program', { skip: !existsSync(native) }, ()
   assert.equal(report('--scene', 'card_house', '--restore', 'native.state', '--frames', '60').state_hash, there.state_hash);
 });
 
+test('fluids have the hash of the native program', { skip: !existsSync(native) }, () => {
+  const words = ['--scene', `${root}scenes/boats.json`, '--frames', '30'];
+  const { stdout } = spawnSync(native, [...words, '--report', 'json'], { cwd: folder, encoding: 'utf8' });
+  assert.equal(report(...words).state_hash, JSON.parse(stdout).state_hash);
+});
+
 test('mistakes are one line and exit 2', () => {
   refused(/^psim: --isa avx2: this build lacks it and has scalar, simd128$/m, '--isa', 'avx2');
   refused(/^psim: --scene nowhere\.json: no such file/, '--scene', 'nowhere.json');
