@@ -195,20 +195,27 @@ Scene channel_scene(Vec2 push, double speed) {
   return scene;
 }
 
-// The error at some times (s), in the square mean over all particles, by `speed`. exact(y, time).
-std::vector<double> channel_errors(World& world, const std::vector<double>& times, double speed,
-                                   const std::function<double(double, double)>& exact) {
-  std::vector<double> errors;
+struct ChannelError {
+  double root = 0;  // of the mean square over all particles, by the speed
+  double flow = 0;  // of the mean over all particles, by what it should be
+};
+
+// The errors at some times, s. exact(y, time).
+std::vector<ChannelError> channel_errors(World& world, const std::vector<double>& times, double speed,
+                                         const std::function<double(double, double)>& exact) {
+  std::vector<ChannelError> errors;
   double time = 0;
   for (const double next : times) {
     run(world, static_cast<int>(std::lround((next - time) / world.desc().dt)));
     time = next;
-    errors.push_back(std::sqrt(mean_of(seen_in(world),
-                                       [&](const FluidParticleState& p) {
-                                         const double off = p.velocity.x - exact(p.position.y - kChannelFloor, next);
-                                         return off * off;
-                                       })) /
-                     speed);
+    const std::vector<FluidParticleState> seen = seen_in(world);
+    const auto wanted = [&](const FluidParticleState& p) { return exact(p.position.y - kChannelFloor, next); };
+    const double square = mean_of(seen, [&](const FluidParticleState& p) {
+      const double off = p.velocity.x - wanted(p);
+      return off * off;
+    });
+    const double flow = mean_of(seen, [](const FluidParticleState& p) { return p.velocity.x; });
+    errors.push_back({std::sqrt(square) / speed, flow / mean_of(seen, wanted) - 1});
   }
   return errors;
 }
@@ -227,9 +234,11 @@ TEST(FluidTruths, AChannelBeginsToFlowByItsMovingSide) {
     return speed;
   };
   const auto world = flow_world(channel_scene({0, 0}, kSpeed));
-  const std::vector<double> errors = channel_errors(*world, {2.25, 4.5, 11.25, 22.5}, kSpeed, exact);
-  for (const double error : errors) EXPECT_LT(error, 0.05);
-  EXPECT_LT(errors.back(), 0.026);
+  for (const ChannelError& error : channel_errors(*world, {2.25, 4.5, 11.25, 22.5}, kSpeed, exact)) {
+    EXPECT_LT(error.root, 0.05);
+    EXPECT_GT(error.flow, -0.165);
+    EXPECT_LT(error.flow, 0.01);
+  }
 }
 
 // With sides half a cell too far the flow becomes too fast by (1 + 2 / 32)^2, 13 %, where its peers are about 1 % off.
@@ -244,14 +253,17 @@ TEST(FluidTruths, AChannelBeginsToFlowByAForce) {
     return speed;
   };
   const auto world = flow_world(channel_scene({kForce, 0}, 0));
-  const std::vector<double> errors = channel_errors(*world, {2.25, 4.5, 11.25, 22.5}, kSpeed, exact);
-  for (const double error : errors) EXPECT_LT(error, 0.09);
+  for (const ChannelError& error : channel_errors(*world, {2.25, 4.5, 11.25, 22.5}, kSpeed, exact)) {
+    EXPECT_LT(error.root, 0.09);
+    EXPECT_GT(error.flow, -0.01);
+    EXPECT_LT(error.flow, 0.15);
+  }
 }
 
-// Viscous water at rest. The target is what water without viscosity does: it moves by 0.02 m/s, its level stays to 0.1 %.
-// Viscosity acts before the pressure of a step is known, so that what falls by g dt is held by the walls, and pressure lifts it
-// there: two thirds of g dt, at any viscosity.
-TEST(FluidTruths, ViscousWaterAtRestCreepsUpItsWalls) {
+// Viscosity acts before the pressure of a step is known: the walls hold what falls by g dt, and pressure then lifts it beside
+// them. So currents of two thirds of g dt run up the walls, at any viscosity, and the level rises by 1 %. The target is what
+// water without viscosity does: 0.02 m/s and 0.1 %.
+TEST(FluidTruths, ViscousWaterAtRestHardlyMoves) {
   Scene scene = flow_scene(walled({0, 0, 2, 1.5}), 0.04, 0.005);
   scene.fluids[0].place = Bounds{0, 0, 2, 0.52};
   const auto world = flow_world(scene);
@@ -263,9 +275,9 @@ TEST(FluidTruths, ViscousWaterAtRestCreepsUpItsWalls) {
   EXPECT_NEAR(mean_of(seen_in(*world), [](const FluidParticleState& p) { return 2 * p.position.y / 0.52; }), 1, 0.01);
 }
 
-// A plate that slides in a viscous fluid, which moves with it at last. The target is that both keep their momentum to 1 %. The
-// plate holds the fluid beside it, but bears nothing of that.
-TEST(FluidTruths, APlateInAViscousFluidGivesMoreMomentumThanItHas) {
+// A plate slides in a viscous fluid, which moves with it at last. The plate holds the fluid beside it but bears nothing of that,
+// so that the momentum of both grows to 2.5 times what it was. The target is 1 %.
+TEST(FluidTruths, APlateAndAViscousFluidShareTheirMomentum) {
   Scene scene = flow_scene(periodic(2, 2), 0.04, 0.05);
   scene.world.gravity = {0, 0};
   scene.fluids[0].place = Bounds{0, 0, 2, 2};
@@ -281,9 +293,9 @@ TEST(FluidTruths, APlateInAViscousFluidGivesMoreMomentumThanItHas) {
   EXPECT_LT(momentum / mass, 2.6);
 }
 
-// A square cavity with a lid of 1 m/s, Re 100: Ghia, Ghia and Shin 1982 have u = -0.20581 in the middle and a spectral method
-// -0.20916, v = -0.22687 at (0.8125, 0.5). The lid is a kinematic bar, put back in each frame. Sides a cell too far make the
-// cavity larger: u is off by 51, 20 and 10 % with 25, 50 and 100 spacings. The target is 2 %.
+// A square cavity with a lid of 1 m/s, Re 100: u = -0.20916 in its middle and v = -0.22687 at (0.8125, 0.5). The lid is a
+// kinematic bar, which is put back in each frame. The sides hold the fluid up to a cell too far out, so that u is off by 51, 20
+// and 10 % with 25, 50 and 100 spacings. The target is 2 %.
 TEST(SlowFluidTruths, ALidDrivesACavity) {
   constexpr int kLayers = 100;
   constexpr double kSpacing = 1.0 / kLayers;
