@@ -40,7 +40,7 @@ HangingChain hang_chain(double stretch) {
   }
   for (int frame = 0; frame < 900; ++frame) {
     s.run(1);
-    for (int k = 1; k < kChainLinks; ++k) {
+    for (std::size_t k = 1; k < kChainLinks; ++k) {
       const BodyState b = s.at(nodes[k]);
       s.world->set_velocity(nodes[k], {0.95 * b.vx, 0.95 * b.vy}, 0);
     }
