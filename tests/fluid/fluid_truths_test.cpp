@@ -178,8 +178,8 @@ TEST(FluidTruths, ADamBreaksAsFastAsInTheExperiment) {
 
 // ---- viscosity --------------------------------------------------------------------------------
 
-// A channel 1 m high between two slabs in a periodic world. The upper slab may move. Each slab is one body: where two bodies that
-// move touch each other in a viscous fluid without a surface, single particles reach 10 m/s and more.
+// A channel 1 m high between two slabs in a periodic world. The upper slab may move. Each slab is a single body: in a fluid
+// without a surface a lid of several bodies throws single particles about (docs/decisions/036-fluids.md).
 constexpr double kChannelViscosity = 0.01, kChannelFloor = 0.5;
 
 Scene channel_scene(Vec2 push, double speed) {
