@@ -231,6 +231,13 @@ void FluidBodies::bear_hits() {
   merge(borne_);
 }
 
+void FluidBodies::drag(std::uint32_t k, Vec2 impulse, double spin_impulse) {
+  FluidBody& b = bodies_[k];
+  b.velocity = b.velocity + b.inv_mass * impulse;
+  b.spin += b.inv_inertia * spin_impulse;
+  borne_.push_back({b.id, impulse.x, impulse.y, spin_impulse});
+}
+
 void FluidBodies::draw(FluidGrid& grid, std::size_t tile, const FluidSpace& space) {
   FluidCut(grid, tile, space, *this).run();
 }

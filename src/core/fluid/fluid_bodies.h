@@ -108,6 +108,9 @@ class FluidBodies : public SolverRows {
   std::span<FluidSolid> around(std::size_t k) { return around_.at(k); }
   std::span<FluidSolid> at(std::size_t tile) { return solids_.at(tile); }
   const FluidBody& body(std::size_t k) const { return bodies_[k]; }
+  std::size_t count() const { return bodies_.size(); }
+  /// The k-th body bears this by viscosity in this part of a step: N s, and N m s about its centre of mass.
+  void drag(std::uint32_t k, Vec2 impulse, double spin_impulse);
   /// Velocity of a point of a body, seen as the solid sees it.
   Place2 speed_at(const FluidSolid& solid, Place2 at) const;
   /// Keeps a particle out of shapes: `at` is where it went from `from`, m, in dt seconds; `speed` its velocity; `mass` as in

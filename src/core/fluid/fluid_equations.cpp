@@ -352,10 +352,19 @@ FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& 
   return Setup(grid, tile, space, bodies, densities).run(tension);
 }
 
-void balance_uneven(FluidGrid& grid, std::size_t tile, float mean) {
+void soften(FluidGrid& grid, std::size_t tile) {
+  constexpr float kSofter = 1e-4f;
+  float *diagonal = grid.field(S::kDiagonal, tile), *reciprocal = grid.field(S::kReciprocal, tile);
+  for (std::size_t n = 0; n < kTileFloats; ++n) {
+    diagonal[n] *= 1 + kSofter;
+    reciprocal[n] *= 1 / (1 + kSofter);
+  }
+}
+
+void take_mean_out(FluidGrid& grid, std::size_t tile, FluidSolver::Field field, float mean) {
   const float* diagonal = grid.field(S::kDiagonal, tile);
-  float* uneven = grid.field(S::kUneven, tile);
-  for (std::size_t n = 0; n < kTileFloats; ++n) uneven[n] = diagonal[n] > 0 ? uneven[n] - mean : 0;
+  float* value = grid.field(field, tile);
+  for (std::size_t n = 0; n < kTileFloats; ++n) value[n] = diagonal[n] > 0 ? value[n] - mean : 0;
 }
 
 void fill_walls(FluidGrid& grid, std::size_t t, const FluidSpace& space) {

@@ -14,6 +14,7 @@ struct FluidSurvey {
   float largest = 0;        ///< right side of the equations for pressure
   float largest_even = 0;   ///< and of those for an even density
   double uneven = 0;        ///< sum of these
+  double pressure = 0;      ///< sum of what it was in the last step
   std::uint32_t full = 0;   ///< cells that have an equation
   bool surface = false;     ///< whether one of them lies beside a cell without pressure
 };
@@ -37,8 +38,11 @@ FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& 
 /// Shows for fluid_tension.h how full cells are, in kGainU, and what is open of them, in kGainV.
 void show_shares(FluidGrid& grid, std::size_t tile, const FluidSpace& space, bool bodies);
 
-/// Takes the mean from kUneven. Where a fluid has no surface, no displacement can bring all of it together or apart.
-void balance_uneven(FluidGrid& grid, std::size_t tile, float mean);
+/// Adds a little to the equations for an even density, so that they have a solution where bodies shut in some cells: no
+/// displacement can bring these together or apart. The displacement fades over a hundred cells then.
+void soften(FluidGrid& grid, std::size_t tile);
+/// Takes a mean from the cells of a field that have an equation; the others get 0.
+void take_mean_out(FluidGrid& grid, std::size_t tile, FluidSolver::Field field, float mean);
 
 /// Finds how full the cells of a tile are, where there are bodies.
 void find_shares(FluidGrid& grid, std::size_t tile, const FluidSpace& space);

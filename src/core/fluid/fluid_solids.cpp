@@ -160,7 +160,8 @@ Stop stop_at(const FluidSolid& solid, Place2 from, Place2 to, float apart, float
   Place2 out;
   const float d = solid.distance(to, out);
   const float before = solid.distance(from, stop.out);
-  if (before < 0) {
+  // What is within a thin shape, which counts as wider than it is, still is on one side of it.
+  if (before < 0 && !solid.thin) {
     if (d >= apart) return {};
     const float by = std::min(apart - d, most);
     return {true, {to.x + by * out.x, to.y + by * out.y}, out};

@@ -158,6 +158,19 @@ double FluidSolver::sum() const {
 
 int FluidSolver::solve(Field x, Field right, float tolerance, int most, SolverRows* rows) {
   FluidGrid& g = finest_;
+  const auto copy = [&](Field from, Field to) {
+    each(g, [&](std::size_t t) { std::copy_n(g.field(from, t), kernels::kTileFloats, g.field(to, t)); });
+  };
+  copy(x, kFirst);
+  const Way way = iterate(x, right, tolerance, most, rows);
+  if (!way.lost) return way.steps;
+  copy(kFirst, x);
+  iterate(x, right, tolerance, way.best, rows);
+  return way.steps + way.best;
+}
+
+FluidSolver::Way FluidSolver::iterate(Field x, Field right, float tolerance, int most, SolverRows* rows) {
+  FluidGrid& g = finest_;
   parts_.resize(g.size());
   most_.resize(g.size());
   const auto largest = [&] {
@@ -179,11 +192,20 @@ int FluidSolver::solve(Field x, Field right, float tolerance, int most, SolverRo
         kernels_.advance_fluid(first, g.field(kWay, t), g.field(kChange, t), g.field(x, t), g.field(kResidual, t));
   });
   double before = 0;
+  float least = 0;
+  Way way;
   for (int k = 0;; ++k) {
-    if (!(largest() > tolerance) || k == most) return k;
+    const float left = largest();
+    way.steps = k;
+    if (k == 0 || left < least) {
+      least = left;
+      way.best = k;
+    }
+    way.lost = left > kLost * least;
+    if (!(left > tolerance) || k == most || way.lost) return way;
     cycle(0, kResidual);
     const double now = sum();
-    if (!(now > 0)) return k;
+    if (!(now > 0)) return way;
     const auto share = static_cast<float>(k == 0 ? 0 : now / before);
     before = now;
     each(g, [&](std::size_t t) {
@@ -192,7 +214,7 @@ int FluidSolver::solve(Field x, Field right, float tolerance, int most, SolverRo
     });
     double bent = sum();
     if (rows != nullptr) bent += rows->apply(g, kWay, kChange);
-    if (!(bent > 0)) return k;
+    if (!(bent > 0)) return way;
     const auto step = static_cast<float>(now / bent);
     each(g, [&](std::size_t t) {
       most_[t] =

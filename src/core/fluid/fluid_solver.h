@@ -39,6 +39,7 @@ class FluidSolver {
     kEven,
     kUneven,
     kError,
+    kFirst,
     // The fluid's step uses those that follow (fluids.cpp).
     kMassU,
     kU,
@@ -98,6 +99,14 @@ class FluidSolver {
 
  private:
   static constexpr std::size_t kTilesAJob = 4;
+  static constexpr float kLost = 100;  // of the least residual
+  /// How far conjugate gradients came. They are lost if residuals grow without end, as they do where bodies shut in a few
+  /// cells, whose equations then have no solution. The step before which the least was left is the best.
+  struct Way {
+    int steps = 0, best = 0;
+    bool lost = false;
+  };
+  Way iterate(Field x, Field right, float tolerance, int most, SolverRows* rows);
 
   template <class Job>
   void run(std::size_t n, const Job& job) {

@@ -205,18 +205,26 @@ void Fluids::recall_pressure(std::size_t t) {
 
 void Fluids::drag() {
   FluidGrid& grid = solver_.grid();
-  const Viscosity by = {dt_ * viscosity_ / (space_.cell_x * space_.cell_x),
-                        dt_ * viscosity_ / (space_.cell_y * space_.cell_y)};
+  const Viscosity by = {.by_x = dt_ * viscosity_ / (space_.cell_x * space_.cell_x),
+                        .by_y = dt_ * viscosity_ / (space_.cell_y * space_.cell_y),
+                        .per_x = static_cast<float>(1 / space_.cell_x),
+                        .per_y = static_cast<float>(1 / space_.cell_y),
+                        .held = bodies_.any() || space_.boundary == Boundary::walls};
   solver_.each_of(near_, [&](std::size_t t) { make_equations(grid, t, space_, bodies_.any(), densities_); });
   grid.activate(near_);  // faces beside a full cell may be those of the next tile
   largest_.assign(grid.size(), 0);
+  std::vector<std::vector<FluidHold>> holds(grid.size());  // by tile
+  const double cell = kinds_[0].density * space_.cell_x * space_.cell_y;
   for (const Component of : {Component::u, Component::v}) {
-    solver_.each_of(
-        near_, [&](std::size_t t) { largest_[t] = make_viscous_equations(grid, t, space_, by, of, bodies_.any()); });
+    solver_.each_of(near_, [&](std::size_t t) {
+      largest_[t] = make_viscous_equations(grid, t, space_, by, of, bodies_, holds[t]);
+    });
+    expect_bodies(grid, holds, of, bodies_, cell);
     solver_.coarsen(space_);
     solver_.solve(S::kEven, S::kUneven, kDragTolerance * *std::max_element(largest_.begin(), largest_.end()),
                   kMostIterations);
     solver_.each_of(near_, [&](std::size_t t) { drag_faces(grid, t, by, of); });
+    drag_bodies(grid, holds, by, of, bodies_, cell);
   }
   grid.activate(with_equations_);
 }
@@ -258,7 +266,11 @@ void Fluids::solve() {
     const float *diagonal = grid.field(S::kDiagonal, t), *known = grid.field(S::kShiftV, t);
     float* pressure = grid.field(S::kPressure, t);
     for (std::size_t n = 0; n < kTileFloats; ++n) {
-      if (diagonal[n] <= 0) pressure[n] = tension ? known[n] : 0;
+      if (diagonal[n] <= 0) {
+        pressure[n] = tension ? known[n] : 0;
+      } else {
+        surveys_[t].pressure += double{pressure[n]};
+      }
     }
     std::fill_n(grid.field(S::kEven, t), kTileFloats, 0.0f);
   });
@@ -270,12 +282,18 @@ void Fluids::solve() {
     all.largest = std::max(all.largest, s.largest);
     all.largest_even = std::max(all.largest_even, s.largest_even);
     all.uneven += s.uneven;
+    all.pressure += s.pressure;
     all.full += s.full;
     all.surface = all.surface || s.surface;
   }
   if (!all.surface && all.full > 0) {
-    const auto mean = static_cast<float>(all.uneven / all.full);
-    solver_.each_of(near_, [&](std::size_t t) { balance_uneven(grid, t, mean); });
+    // Nothing bounds the means there: one of the displacement asks for what cannot be, and that of the pressure would grow.
+    const auto uneven = static_cast<float>(all.uneven / all.full),
+               pressure = static_cast<float>(all.pressure / all.full);
+    solver_.each_of(near_, [&](std::size_t t) {
+      take_mean_out(grid, t, S::kUneven, uneven);
+      take_mean_out(grid, t, S::kPressure, pressure);
+    });
   }
   if (bodies_.any()) {
     if (!all.surface) bodies_.close_surfaces(grid);
@@ -288,6 +306,10 @@ void Fluids::solve() {
   solver_.coarsen(space_);
   const int first = solver_.solve(S::kPressure, S::kRight, kPressureTolerance * all.largest, kMostIterations,
                                   bodies_.any_moving() ? &bodies_ : nullptr);
+  if (bodies_.any()) {
+    solver_.each_of(near_, [&](std::size_t t) { soften(grid, t); });
+    solver_.coarsen(space_);
+  }
   const int second = solver_.solve(S::kEven, S::kUneven, kEvenTolerance * all.largest_even, kMostIterations);
   iterations_ += static_cast<std::uint32_t>(first + second);
 }
