@@ -97,6 +97,39 @@ void change_joint(JointDesc& j, const Change& c) {
   }
 }
 
+// Particles keep their mass over the factor: density times the square of the spacing.
+void change_fluid(SceneFluid& f, const Change& c) {
+  const double k = c.heavier, length = c.scale, time = c.slower;
+  f.fluid.spacing *= length;
+  f.fluid.density *= k / (length * length);
+  f.fluid.viscosity *= length * length / time;
+  f.fluid.surface_tension *= k * length / (time * time);
+  const auto place = [&](Vec2 v) {
+    const Vec2 d = c.direction(v);
+    return Vec2{length * d.x + c.shift.x, length * d.y + c.shift.y};
+  };
+  const auto velocity = [&](Vec2 v) {
+    const Vec2 d = c.direction(v);
+    return Vec2{length / time * d.x + c.boost.x, length / time * d.y + c.boost.y};
+  };
+  if (auto* b = std::get_if<Bounds>(&f.place)) *b = mapped(*b, c);
+  if (auto* d = std::get_if<FluidDisc>(&f.place)) *d = {place(d->position), length * d->radius};
+  if (auto* p = std::get_if<FluidPolygon>(&f.place)) {
+    for (Vec2& v : p->vertices) v = place(v);
+  }
+  if (auto* list = std::get_if<FluidList>(&f.place)) {
+    for (std::size_t n = 0; n < list->x.size(); ++n) {
+      const Vec2 at = place({list->x[n], list->y[n]});
+      list->x[n] = at.x, list->y[n] = at.y;
+    }
+    for (std::size_t n = 0; n < list->vx.size(); ++n) {
+      const Vec2 v = velocity({list->vx[n], list->vy[n]});
+      list->vx[n] = v.x, list->vy[n] = v.y;
+    }
+  }
+  f.velocity = velocity(f.velocity);
+}
+
 }  // namespace
 
 Vec2 Change::direction(Vec2 v) const {
@@ -131,6 +164,7 @@ Scene Change::of(const Scene& scene) const {
     if (b.type == BodyType::static_body) b.velocity = {};
   }
   for (SceneJoint& j : out.joints) change_joint(j.joint, *this);
+  for (SceneFluid& f : out.fluids) change_fluid(f, *this);
   return out;
 }
 

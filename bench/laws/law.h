@@ -35,6 +35,8 @@ struct Law {
 
 /// L1 to L16.
 const std::vector<Law>& all_laws();
+/// L1 to L3 and L5 to L9 of scenes with fluids.
+const std::vector<Law>& fluid_laws();
 
 // By file; all_laws joins them.
 std::vector<Law> symmetry_laws();  // L1 to L6, L13 to L15

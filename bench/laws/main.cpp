@@ -4,6 +4,7 @@
 //   laws --seed 7 --seconds 600  from a seed that is known
 //   laws --law L7 --law L9       two of them
 //   laws --compounds             bodies of several shapes
+//   laws --fluids                scenes with fluids
 //   laws --scene FILE --law L7   one scene, from a file that a run has written
 //   laws --known FILE            as a test: a law may be broken as often as the file says, no more
 // A scene that breaks a law is made small and written to --out. Exit 1 if there is one, 2 if asked wrongly.
@@ -22,6 +23,7 @@
 #include <string>
 #include <vector>
 
+#include "course.h"
 #include "law.h"
 #include "psim/scene.h"
 #include "shapes.h"
@@ -57,7 +59,7 @@ struct Options {
   std::uint64_t seed = 0;
   double seconds = 60;
   int scenes = std::numeric_limits<int>::max(), tries = 200, most = 3;
-  bool list = false, compounds = false;
+  bool list = false, compounds = false, fluids = false;
 };
 
 struct Count {
@@ -71,7 +73,7 @@ Scene scene_of(const Law& law, const Options& options, int number) {
             (static_cast<std::uint64_t>(number) << 32));
   Scene scene = law.draw(draw);
   scene.seed = draw.bits() >> 40;
-  scene.name = law.name + "-" + std::to_string(seed) + "-" + std::to_string(number);
+  scene.name = (options.fluids ? "fluids-" : "") + law.name + "-" + std::to_string(seed) + "-" + std::to_string(number);
   scene.world.substeps = kSubsteps[static_cast<std::size_t>(number) % kSubsteps.size()];
   for (BodyDesc& body : scene.bodies) {
     const bool large = reach_of(body.shape) > 3;  // a press
@@ -79,6 +81,12 @@ Scene scene_of(const Law& law, const Options& options, int number) {
     body.shape = draw_compound(draw, reach_of(body.shape));
   }
   return scene;
+}
+
+// What there is of fluids in it, or nothing.
+std::string particles_of(const Scene& scene) {
+  if (scene.fluids.empty()) return {};
+  return fmt::format(", {} particles of {} fluids", world_of(scene)->fluid_report().particles, scene.fluids.size());
 }
 
 void tell(const Options& options, const Law& law, Scene scene, const Fault& fault) {
@@ -89,7 +97,8 @@ void tell(const Options& options, const Law& law, Scene scene, const Fault& faul
   std::filesystem::create_directories(options.out);
   const std::string file = options.out + "/" + scene.name + ".json";
   std::ofstream(file) << scene_to_json(small);
-  fmt::print("  {} of {} bodies, {}; {}\n", small.bodies.size(), scene.bodies.size(), left ? left->what : "", file);
+  fmt::print("  {} of {} bodies{}, {}; {}\n", small.bodies.size(), scene.bodies.size(), particles_of(small),
+             left ? left->what : "", file);
   std::fflush(stdout);
 }
 
@@ -171,6 +180,7 @@ int main(int argc, char** argv) {
   app.add_option("--tries", options.tries, "runs to make such a scene small (200)");
   app.add_option("--most", options.most, "scenes written of a law (3)");
   app.add_flag("--compounds", options.compounds, "most bodies that move have several shapes");
+  app.add_flag("--fluids", options.fluids, "scenes have fluids");
   app.add_flag("--list", options.list, "the laws");
   try {
     app.parse(argc, argv);
@@ -180,7 +190,7 @@ int main(int argc, char** argv) {
     return 2;
   }
   std::vector<Law> laws;
-  for (const Law& law : all_laws()) {
+  for (const Law& law : options.fluids ? fluid_laws() : all_laws()) {
     if (options.names.empty() || std::ranges::count(options.names, law.name) != 0) laws.push_back(law);
   }
   if (laws.empty()) {

@@ -1,8 +1,10 @@
 #include "shrink.h"
 
+#include <algorithm>
 #include <functional>
 #include <stdexcept>
 #include <utility>
+#include <variant>
 
 namespace psim::laws {
 namespace {
@@ -23,6 +25,40 @@ bool may_go(const Law& law, const BodyDesc& body) {
   return law.spare == Spare::all || (law.spare == Spare::movers && body.type == BodyType::dynamic_body);
 }
 
+// The area as a rectangle around it; a list as it is.
+SceneFluid boxed(SceneFluid fluid) {
+  if (const auto* d = std::get_if<FluidDisc>(&fluid.place)) {
+    const double x = d->position.x, y = d->position.y, r = d->radius;
+    fluid.place = Bounds{x - r, y - r, x + r, y + r};
+  } else if (const auto* p = std::get_if<FluidPolygon>(&fluid.place)) {
+    Bounds box{1e300, 1e300, -1e300, -1e300};
+    for (const Vec2& v : p->vertices) {
+      box = {std::min(box.xmin, v.x), std::min(box.ymin, v.y), std::max(box.xmax, v.x), std::max(box.ymax, v.y)};
+    }
+    fluid.place = box;
+  }
+  return fluid;
+}
+
+// The lower, left or right half of a fluid; of a list the first or the second half of its particles (`part` 1 or 2; of 0
+// the first).
+SceneFluid half_of(const SceneFluid& fluid, int part) {
+  SceneFluid out = boxed(fluid);
+  if (auto* b = std::get_if<Bounds>(&out.place)) {
+    const double x = (b->xmin + b->xmax) / 2;
+    if (part == 0) b->ymax = (b->ymin + b->ymax) / 2;
+    if (part == 1) b->xmax = x;
+    if (part == 2) b->xmin = x;
+  } else {
+    auto& list = std::get<FluidList>(out.place);
+    for (auto* column : {&list.x, &list.y, &list.vx, &list.vy}) {
+      const auto middle = column->begin() + static_cast<std::ptrdiff_t>(column->size() / 2);
+      *column = part == 2 ? std::vector<double>(middle, column->end()) : std::vector<double>(column->begin(), middle);
+    }
+  }
+  return out;
+}
+
 class Shrinker {
  public:
   Shrinker(const Law& law, Scene scene, int tries) : law_(law), scene_(std::move(scene)), tries_(tries) {}
@@ -30,14 +66,16 @@ class Shrinker {
   Scene done() {
     for (bool smaller = true; smaller && tries_ > 0;) {
       smaller = fewer();
+      smaller |= less_fluid();
       simpler();
+      simpler_fluid();
     }
     return scene_;
   }
 
  private:
   bool keep_if_broken(const Scene& scene) {
-    if (tries_-- <= 0 || scene.bodies.empty()) return false;
+    if (tries_-- <= 0 || (scene.bodies.empty() && scene.fluids.empty())) return false;
     try {
       if (!law_.broken(scene)) return false;
     } catch (const std::exception&) {
@@ -58,6 +96,38 @@ class Shrinker {
       any |= keep_if_broken(less);
     }
     return any;
+  }
+
+  bool less_fluid() {
+    if (law_.spare == Spare::nothing) return false;
+    bool any = false;
+    for (std::size_t k = scene_.fluids.size(); k-- > 0 && scene_.fluids.size() > 1;) {
+      Scene less = scene_;
+      less.fluids.erase(less.fluids.begin() + static_cast<std::ptrdiff_t>(k));
+      any |= keep_if_broken(less);
+    }
+    for (std::size_t k = 0; k < scene_.fluids.size(); ++k) {
+      for (int part = 0; part < 3; ++part) {
+        Scene less = scene_;
+        less.fluids[k] = half_of(scene_.fluids[k], part);
+        any |= keep_if_broken(less);
+      }
+    }
+    return any;
+  }
+
+  void simpler_fluid() {
+    const std::vector<std::function<void(SceneFluid&)>> edits = {
+        [](SceneFluid& f) { f.fluid.viscosity = 0; }, [](SceneFluid& f) { f.fluid.surface_tension = 0; },
+        [](SceneFluid& f) { f.velocity = {}; }, [](SceneFluid& f) { f.fluid.density = 1000; }};
+    if (law_.spare == Spare::nothing) return;
+    for (std::size_t k = 0; k < scene_.fluids.size(); ++k) {
+      for (const auto& edit : edits) {
+        Scene other = scene_;
+        edit(other.fluids[k]);
+        keep_if_broken(other);
+      }
+    }
   }
 
   void simpler() {
