@@ -9,7 +9,7 @@
 namespace psim::laws {
 namespace {
 
-// Adds a mass that moves. `lever` is true for bodies and particles alike: angular momentum of their middles.
+// Adds a mass that moves. The height is that of the lowest middle so far, as a potential, until all are there.
 void take(FluidSums& sums, double mass, const BodyState& s, Vec2 gravity) {
   sums.mass += mass;
   sums.centre = {sums.centre.x + mass * s.x, sums.centre.y + mass * s.y};
@@ -17,6 +17,7 @@ void take(FluidSums& sums, double mass, const BodyState& s, Vec2 gravity) {
   sums.angular += mass * (s.x * s.vy - s.y * s.vx);
   sums.kinetic += mass * (s.vx * s.vx + s.vy * s.vy) / 2;
   sums.potential -= mass * (gravity.x * s.x + gravity.y * s.y);
+  sums.height = std::min(sums.height, -(gravity.x * s.x + gravity.y * s.y));
   sums.moving += mass * std::hypot(s.vx, s.vy);
 }
 
@@ -47,6 +48,7 @@ void take_fluids(FluidSums& sums, const World& world, const Scene& run, const Sc
 
 FluidSums sums_of(const World& world, const Scene& run, const Scene& scene, const Change& change, double time) {
   FluidSums sums;
+  sums.height = 1e300;
   take_fluids(sums, world, run, scene, change, time);
   for (std::uint32_t k = 0; k < run.bodies.size(); ++k) {
     const BodyId id = world.id_of(k);
@@ -62,7 +64,9 @@ FluidSums sums_of(const World& world, const Scene& run, const Scene& scene, cons
     sums.angular += inertia * s.omega;
     sums.moving += std::sqrt(inertia * traits.mass / change.heavier) * std::fabs(s.omega);
   }
-  if (sums.mass > 0) sums.centre = {sums.centre.x / sums.mass, sums.centre.y / sums.mass};
+  const double pull = std::hypot(scene.world.gravity.x, scene.world.gravity.y);
+  sums.height = pull > 0 ? (sums.potential / sums.mass - sums.height) / pull : 0;
+  sums.centre = {sums.centre.x / sums.mass, sums.centre.y / sums.mass};
   return sums;
 }
 
