@@ -38,49 +38,78 @@ void add_lines(Scene& scene, const Material& material) {
   }
 }
 
-void add_vessel(Draw& draw, Scene& scene, const FluidScope& scope) {
-  const Material material = draw_material(draw);
-  ChainShape loop{{{-kPen, kPen}, {-kPen, -kPen}, {kPen, -kPen}, {kPen, kPen}}, true};
+// What holds the fluids of a scene.
+struct Vessel {
+  double floor = -kPen;  // m: nothing of it is higher than this between its sides
+  bool thin = false;     // it is made of lines or thin plates
+};
+
+// A loop whose floor goes up and down.
+Vessel add_rough_vessel(Draw& draw, Scene& scene, bool lid, const Material& material) {
+  ChainShape loop{{{kPen, kPen}, {-kPen, kPen}}, true};
+  if (!lid) loop = {{{-kPen, kPen}}, false};
+  const int parts = draw.from(2, 12);
+  double floor = -kPen;
+  for (int k = 0; k <= parts; ++k) {
+    loop.vertices.push_back({kPen * (2.0 * k / parts - 1), draw.uniform(-kPen, -kPen + 1.5)});
+    floor = std::max(floor, loop.vertices.back().y);
+  }
+  if (!lid) loop.vertices.push_back({kPen, kPen});
   if (draw.chance(0.5)) loop.vertices = {loop.vertices.rbegin(), loop.vertices.rend()};
-  switch (draw.below(scope.walls ? 7 : 5)) {
-    case 0:
-      return add(scene, fixed_of(loop, {}, material));
+  add(scene, fixed_of(loop, {}, material));
+  return {floor, true};
+}
+
+Vessel add_vessel(Draw& draw, Scene& scene, const FluidScope& scope) {
+  const Material material = draw_material(draw);
+  const bool lid = !scope.open || draw.chance(0.5);
+  switch (draw.below(scope.walls ? 8 : 6)) {
+    case 0: {
+      ChainShape loop{{{-kPen, kPen}, {-kPen, -kPen}, {kPen, -kPen}, {kPen, kPen}}, lid};
+      if (draw.chance(0.5)) loop.vertices = {loop.vertices.rbegin(), loop.vertices.rend()};
+      add(scene, fixed_of(loop, {}, material));
+      return {-kPen, true};
+    }
     case 1:
-      loop.loop = !scope.open;
-      return add(scene, fixed_of(loop, {}, material));
+      return add_rough_vessel(draw, scene, lid, material);
     case 2:
-      return add_plates(scene, 1, material);
+      add_plates(scene, draw.logarithmic(0.02, 0.5), material);
+      return {-kPen, true};
     case 3:
-      return add_plates(scene, draw.logarithmic(0.02, 0.5), material);
+      add_lines(scene, material);
+      return {-kPen, true};
     case 4:
-      return add_lines(scene, material);
+    case 5:
+      add_plates(scene, 2, material);
+      return {};
     default:
       scene.world.bounds = {-kPen, -kPen, kPen, kPen};
       scene.world.boundary = Boundary::walls;
       scene.world.wall = material;
+      return {};
   }
 }
 
-// A hill or a step on the floor.
+// A hill, a step or a slope on the floor. A line has no inside, so that water would stand below it: these are solid.
 BodyDesc draw_hill(Draw& draw, const Material& material) {
+  if (draw.chance(0.3)) {
+    const double left = draw.uniform(0.3, 3), right = draw.uniform(0.3, 3);
+    return fixed_of(PolygonShape{{{-kPen, 0}, {kPen, 0}, {kPen, right}, {-kPen, left}}, 0}, {0, -kPen}, material);
+  }
   const double at = draw.uniform(-4, 4), half = draw.uniform(0.5, 2), high = draw.uniform(0.3, 2);
   const double flat = draw.chance(0.3) ? half : draw.uniform(0.1, 0.9) * half;
-  if (draw.chance(0.3)) {
-    ChainShape line{{{-half, 0}, {-flat, high}, {flat, high}, {half, 0}}, false};
-    return fixed_of(line, {at, -kPen}, material);
-  }
   return fixed_of(PolygonShape{{{-half, 0}, {half, 0}, {flat, high}, {-flat, high}}, 0}, {at, -kPen}, material);
 }
 
-// A line from one side of the pen to the other one.
-BodyDesc draw_slope(Draw& draw, const Material& material) {
-  const double left = draw.uniform(-kPen, -2), right = draw.uniform(-kPen, -2);
-  if (draw.chance(0.5)) return fixed_of(SegmentShape{{-kPen, left}, {kPen, right}}, {}, material);
-  ChainShape line{{{-kPen, left}, {draw.uniform(-3, 3), draw.uniform(-5.5, -3)}, {kPen, right}}, false};
-  return fixed_of(line, {}, material);
+// A line in the middle, open to both sides.
+BodyDesc draw_shelf(Draw& draw, const Material& material) {
+  const double half = draw.uniform(0.5, 2.5), rise = draw.uniform(-1, 1);
+  const Vec2 at{draw.uniform(-1.5, 1.5), draw.uniform(-2.5, 1)};
+  if (draw.chance(0.5)) return fixed_of(SegmentShape{{-half, -rise}, {half, rise}}, at, material);
+  return fixed_of(ChainShape{{{-half, -rise}, {0, draw.uniform(-1, 1)}, {half, rise}}, false}, at, material);
 }
 
-// Something in the middle, which may turn or go to and fro if the law lets it.
+// Something in the middle, which may turn if the law lets it.
 BodyDesc draw_obstacle(Draw& draw, const FluidScope& scope, const Material& material) {
   const double r = draw.uniform(0.3, 2);
   const Shape shape = draw.chance(0.3) ? draw_compound(draw, r) : draw_shape(draw, r);
@@ -102,7 +131,7 @@ void add_obstacles(Draw& draw, Scene& scene, const FluidScope& scope) {
         add(scene, draw_hill(draw, material));
         break;
       case 2:
-        add(scene, draw_slope(draw, material));
+        add(scene, draw_shelf(draw, material));
         break;
       default:
         add(scene, draw_obstacle(draw, scope, material));
@@ -148,7 +177,7 @@ double area_of(const SceneFluid& fluid) {
 void draw_liquids(Draw& draw, Scene& scene, const FluidScope& scope) {
   double area = 0;
   for (const SceneFluid& f : scene.fluids) area += area_of(f);
-  const double spacing = std::sqrt(area / draw.logarithmic(250, 2500));
+  const double spacing = std::sqrt(area / draw.logarithmic(300, 2500));
   for (std::size_t k = 0; k < scene.fluids.size(); ++k) {
     FluidDesc& f = scene.fluids[k].fluid;
     f.spacing = std::ceil(0x1p12 * spacing) * 0x1p-12;
@@ -162,17 +191,27 @@ void draw_liquids(Draw& draw, Scene& scene, const FluidScope& scope) {
   }
 }
 
+// Moves the edges of areas away from lines: beside one, particles would be moved by its width at the start.
+void keep_apart(Scene& scene, double right, double floor) {
+  for (SceneFluid& f : scene.fluids) {
+    auto* b = std::get_if<Bounds>(&f.place);
+    const double gap = 0.75 * scene.fluids[0].fluid.spacing;
+    if (b == nullptr) continue;
+    *b = {std::max(b->xmin, -kPen + gap), std::max(b->ymin, floor + gap), std::min(b->xmax, right - gap), b->ymax};
+  }
+}
+
 // A pool, a dam or a lump that falls, from the floor or from `right` leftwards; sometimes a second one above it.
-void add_fluids(Draw& draw, Scene& scene, const FluidScope& scope, double right) {
+void add_fluids(Draw& draw, Scene& scene, const FluidScope& scope, const Vessel& vessel, double right) {
   const double wide = right + kPen;
   SceneFluid first;
   double top = 0;
   if (draw.chance(0.7)) {
     const double reach = draw.chance(0.5) ? wide : draw.uniform(0.2, 0.8) * wide;
-    top = draw.uniform(-5, 1);
-    first.place = Bounds{right - reach, -kPen, right, top};
+    top = draw.uniform(vessel.floor + 1, 1);
+    first.place = Bounds{right - reach, vessel.floor, right, top};
   } else {
-    const double r = draw.uniform(0.8, 0.2 * wide), y = draw.uniform(-kPen + r, 0);
+    const double r = draw.uniform(0.8, 0.2 * wide), y = draw.uniform(vessel.floor + r, 0);
     first = draw_lump(draw, {right - r - draw.uniform(0, wide - 2 * r), y}, r);
     top = y + r;
   }
@@ -188,16 +227,19 @@ void add_fluids(Draw& draw, Scene& scene, const FluidScope& scope, double right)
     scene.fluids.push_back(second);
   }
   draw_liquids(draw, scene, scope);
+  if (vessel.thin && !scope.beside) keep_apart(scene, right, vessel.floor);
 }
 
-// Whether a body of this reach has room there beside the bodies from `first` on: circles around them do not touch it, and
-// it lies above all slopes.
+// Whether a body of this reach has room there beside the bodies from `first` on: circles around them do not touch it,
+// and it lies above a slope.
 bool fits(const Scene& scene, std::size_t first, Vec2 at, double reach) {
   for (std::size_t k = first; k < scene.bodies.size(); ++k) {
     const BodyDesc& b = scene.bodies[k];
-    const bool line = std::holds_alternative<SegmentShape>(b.shape) || std::holds_alternative<ChainShape>(b.shape);
-    if (line && at.y - reach < -2) return false;
-    if (!line && std::hypot(at.x - b.position.x, at.y - b.position.y) < reach_of(b.shape) + reach + 0.01) return false;
+    const double far = reach_of(b.shape);
+    const bool slope = far > kPen;  // at most 3 m high
+    if (slope ? at.y - reach < -kPen + 3 : std::hypot(at.x - b.position.x, at.y - b.position.y) < far + reach + 0.01) {
+      return false;
+    }
   }
   return true;
 }
@@ -252,11 +294,11 @@ Scene fluid_on_terrain(Draw& draw, const FluidScope& scope) {
 Scene fluid_scene(Draw& draw, const FluidScope& scope) {
   if (scope.open && draw.chance(0.2)) return fluid_on_terrain(draw, scope);
   Scene scene = space(true);
-  add_vessel(draw, scene, scope);
-  const std::size_t vessel = scene.bodies.size();
+  const Vessel vessel = add_vessel(draw, scene, scope);
+  const std::size_t first = scene.bodies.size();
   add_obstacles(draw, scene, scope);
-  add_fluids(draw, scene, scope, kPen);
-  add_floats(draw, scene, scope, {-kPen, -kPen, kPen, kPen}, vessel);
+  add_fluids(draw, scene, scope, vessel, kPen);
+  add_floats(draw, scene, scope, {-kPen, vessel.floor, kPen, kPen}, first);
   return scene;
 }
 
@@ -274,16 +316,16 @@ Scene fluid_adrift(Draw& draw) {
 }
 
 Scene fast_fluid_pen(Draw& draw) {
-  const FluidScope scope{.open = false, .fluid_speed = 1000, .body_speed = 100};
+  const FluidScope scope{.open = false, .beside = true, .fluid_speed = 1000, .body_speed = 100};
   Scene scene = space(draw.chance(0.7));
-  add_vessel(draw, scene, scope);
+  const Vessel vessel = add_vessel(draw, scene, scope);
   const bool parted = draw.chance(0.4);
   const double right = parted ? draw.uniform(-1, 4) : kPen;
   if (parted) add(scene, draw_partition(draw, right), kPartition);
   const std::size_t first = scene.bodies.size();
   if (!parted) add_obstacles(draw, scene, scope);
-  add_fluids(draw, scene, scope, right);
-  add_floats(draw, scene, scope, {-kPen, -kPen, right, kPen}, first);
+  add_fluids(draw, scene, scope, vessel, right);
+  add_floats(draw, scene, scope, {-kPen, vessel.floor, right, kPen}, first);
   return scene;
 }
 
