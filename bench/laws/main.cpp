@@ -58,7 +58,7 @@ struct Options {
   std::string scene, known, out = "laws-broken";
   std::uint64_t seed = 0;
   double seconds = 60;
-  int scenes = std::numeric_limits<int>::max(), tries = 200, most = 3;
+  int first = 0, scenes = std::numeric_limits<int>::max(), tries = 200, most = 3;
   bool list = false, compounds = false, fluids = false;
 };
 
@@ -122,7 +122,7 @@ int run(const Options& options, const std::vector<Law>& laws) {
   std::map<std::string, std::vector<int>> broken;
   fmt::print("seed {}\n", options.seed);
   const auto over = [&] { return std::chrono::duration<double>(Clock::now() - start).count() >= options.seconds; };
-  for (int number = 0; number < options.scenes && !over(); ++number) {
+  for (int number = options.first; number - options.first < options.scenes && !over(); ++number) {
     for (const Law& law : laws) {
       if (over()) break;
       Count& count = counts[law.name];
@@ -173,6 +173,7 @@ int main(int argc, char** argv) {
   app.add_option("--seed", options.seed, "seed of the scenes (0: a new one)");
   app.add_option("--seconds", options.seconds, "how long (60)")->check(CLI::PositiveNumber);
   app.add_option("--scenes", options.scenes, "how many scenes of each law, at most")->check(CLI::PositiveNumber);
+  app.add_option("--first", options.first, "number of the first scene (0)")->check(CLI::NonNegativeNumber);
   app.add_option("--known", options.known, "file of laws and the shares of scenes that may break them")
       ->check(CLI::ExistingFile);
   app.add_option("--scene", options.scene, "check this file alone");
