@@ -8,11 +8,11 @@ namespace psim::laws {
 
 /// What a law asks of the scenes that it is tried on.
 struct FluidScope {
-  bool walls = true;    ///< the walls of the world may be the pen
-  bool open = true;     ///< a pen may have no lid, and there are scenes on terrain without a pen
-  bool driven = true;   ///< kinematic bodies may move
-  bool tension = true;  ///< surfaces may have a tension
-  bool beside = false;  ///< fluids may begin beside a line, where it counts as wider than it is
+  bool walls = true;                       ///< the walls of the world may be the pen
+  bool open = true;                        ///< a pen may have no lid, and there are scenes on terrain without a pen
+  bool driven = true;                      ///< kinematic bodies may move
+  bool tension = true;                     ///< surfaces may have a tension
+  bool beside = false;                     ///< fluids may begin beside a line, where it counts as wider than it is
   double fluid_speed = 5, body_speed = 3;  ///< m/s, at most
 };
 

@@ -15,8 +15,8 @@ struct FluidSums {
   double kinetic = 0, potential = 0;  ///< J, rotation of bodies included; uniform gravity from the origin
   Vec2 momentum;                      ///< kg m/s
   double angular = 0;                 ///< kg m^2/s, about the origin
-  double height = 0;                  ///< m: of the centre over the lowest middle of a body or particle, against gravity
-  double moving = 0;                  ///< kg m/s: mass times speed, without regard to its direction
+  double height = 0;  ///< m: of the centre over the lowest middle of a body or particle, against gravity
+  double moving = 0;  ///< kg m/s: mass times speed, without regard to its direction
 
   double energy() const { return kinetic + potential; }
 };

@@ -35,7 +35,7 @@ struct Law {
 
 /// L1 to L16.
 const std::vector<Law>& all_laws();
-/// L1 to L3 and L5 to L9 of scenes with fluids.
+/// L1 to L3, L5 to L9 and L17, of scenes with fluids.
 const std::vector<Law>& fluid_laws();
 
 // By file; all_laws joins them.
