@@ -155,7 +155,12 @@ if(TARGET laws)
   set(_laws laws --known "${PROJECT_SOURCE_DIR}/tests/laws/known.txt" --out "${CMAKE_BINARY_DIR}/laws-broken" --most 1)
   add_test(NAME Laws.KnownSeed COMMAND ${_laws} --seed 1 --scenes 100 --seconds 300)
   add_test(NAME Laws.NewSeed COMMAND ${_laws} --seconds 30)
-  set_tests_properties(Laws.KnownSeed Laws.NewSeed PROPERTIES LABELS laws TIMEOUT 900)
+  set(_fluid_laws laws --fluids --known "${PROJECT_SOURCE_DIR}/tests/laws/known_fluids.txt"
+                  --out "${CMAKE_BINARY_DIR}/laws-broken" --most 1)
+  add_test(NAME Laws.FluidsKnownSeed COMMAND ${_fluid_laws} --seed 1 --scenes 10 --seconds 300)
+  add_test(NAME Laws.FluidsNewSeed COMMAND ${_fluid_laws} --seconds 15)
+  set_tests_properties(Laws.KnownSeed Laws.NewSeed Laws.FluidsKnownSeed Laws.FluidsNewSeed
+                       PROPERTIES LABELS laws TIMEOUT 900)
 endif()
 
 # An hour of game time in a world that changes; by hand, no test of ctest (docs/hardening.md).

@@ -16,18 +16,19 @@ namespace psim::laws {
 namespace {
 
 constexpr int kFrames = 60;
-// Particles: fewer are no water, and the laws of its motion say nothing of them.
+// Fewer particles than this are no water: the laws of its motion say nothing of them.
 constexpr std::size_t kFewest = 50;
-// By so much may water that splashes be off when it is seen otherwise: shares of the side of a square of its area, and of
-// its largest energy. Its particles lie otherwise on the grid.
+// What a law allows two runs of one scene to differ by: a share of the side of a square that has the fluids' area, and a
+// share of the largest energy. Particles of a scene that is mirrored or turned lie elsewhere in the cells of the grid, and
+// splashes make much of small differences.
 struct Allowed {
   double place = 0.02, energy = 0.1;
 };
-// Where they lie alike on the grid, numbers alone round otherwise.
+// The same where particles lie at the same places in the cells, so that only the rounding differs.
 constexpr Allowed kRounding = {1e-3, 1e-3};
 constexpr double kGrowth = 1e-3;    // of the largest energy
 constexpr double kMomentum = 0.03;  // of mass times speed at the start
-constexpr double kDepth = 1;        // spacings: a line holds water as if it were two wide
+constexpr double kDepth = 1;        // spacings: a line holds water back as if it were two spacings wide
 constexpr double kBodyOut = 0.1;    // m
 
 Draw draw_of(const Scene& scene) { return Draw(scene.seed * 7919 + 17); }
@@ -35,6 +36,9 @@ Draw draw_of(const Scene& scene) { return Draw(scene.seed * 7919 + 17); }
 bool has_water(const Scene& scene) {
   return !scene.fluids.empty() && world_of(scene)->fluid_report().particles >= kFewest;
 }
+
+// The number, or a very large one if it is none.
+double or_huge(double v) { return std::isfinite(v) ? v : 1e300; }
 
 double length(Vec2 v) { return std::hypot(v.x, v.y); }
 double apart(Vec2 a, Vec2 b) { return std::hypot(a.x - b.x, a.y - b.y); }
@@ -64,9 +68,11 @@ std::optional<Fault> same_water(const Scene& drawn, const Change& change, Allowe
   for (int frame = 0; frame <= kFrames; ++frame) {
     const auto k = static_cast<std::size_t>(frame);
     const FluidSums &a = one[k], &b = other[k];
-    const double off = std::max({apart(a.mean, b.mean), apart(a.spread, b.spread), apart(a.centre, b.centre)}) / size;
+    const double off = std::max({or_huge(apart(a.mean, b.mean)), or_huge(apart(a.spread, b.spread)),
+                                 or_huge(apart(a.centre, b.centre))}) /
+                       size;
     if (off > place) place = off, frame_place = frame;
-    const double gained = std::fabs(a.energy() - b.energy()) / energy;
+    const double gained = or_huge(std::fabs(a.energy() - b.energy()) / energy);
     if (gained > most) most = gained, frame_energy = frame;
   }
   if (!(place <= allowed.place)) {
@@ -201,7 +207,7 @@ std::optional<Fault> momentum(const Scene& scene) {
   double worst = 0, turned = 0;
   int frame_worst = 0;
   for (std::size_t frame = 1; frame < course.size(); ++frame) {
-    const double off = apart(course[frame].momentum, start.momentum) / start.moving;
+    const double off = or_huge(apart(course[frame].momentum, start.momentum) / start.moving);
     if (off > worst) worst = off, frame_worst = static_cast<int>(frame);
     turned = std::max(turned, std::fabs(course[frame].angular - start.angular) / (start.moving * size));
   }
@@ -212,10 +218,10 @@ std::optional<Fault> momentum(const Scene& scene) {
 
 // ---- L9 ---------------------------------------------------------------------------------------------------------------
 
-// What is where it must not be, at most.
+// How far particles are out of the pen and deep within bodies, and bodies out of the pen, at most.
 struct Strayed {
   double out = 0, deep = 0, body = 0;  // spacings, spacings, m
-  int frame = 0, within = 0;           // of the last of these; the body that a particle is in
+  int within = 0;                      // the body that a particle is deepest in
   bool too_far() const { return out > kDepth || deep > kDepth || body > kBodyOut; }
 };
 
@@ -227,7 +233,7 @@ void look_for_strays(const Scene& scene, const World& world, double right, Stray
   std::vector<FluidParticleState> particles;
   world.fluid_particles(particles);
   for (const FluidParticleState& p : particles) {
-    strayed.out = std::max(strayed.out, out_of_pen(p.position, right) / spacing);
+    strayed.out = std::max(strayed.out, or_huge(out_of_pen(p.position, right) / spacing));
   }
   for (std::uint32_t id = 0; id < scene.bodies.size(); ++id) {
     const BodyDesc& desc = scene.bodies[id];
