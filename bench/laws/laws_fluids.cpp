@@ -226,14 +226,17 @@ struct Strayed {
 };
 
 // How far a place is out of a pen that ends at `right`, m.
-double out_of_pen(Vec2 at, double right) { return std::max({at.x - right, -kPen - at.x, at.y - kPen, -kPen - at.y}); }
+double out_of_pen(Vec2 at, double right) {
+  if (!std::isfinite(at.x + at.y)) return 1e300;
+  return std::max({at.x - right, -kPen - at.x, at.y - kPen, -kPen - at.y});
+}
 
 void look_for_strays(const Scene& scene, const World& world, double right, Strayed& strayed) {
   const double spacing = scene.fluids[0].fluid.spacing;
   std::vector<FluidParticleState> particles;
   world.fluid_particles(particles);
   for (const FluidParticleState& p : particles) {
-    strayed.out = std::max(strayed.out, or_huge(out_of_pen(p.position, right) / spacing));
+    strayed.out = std::max(strayed.out, out_of_pen(p.position, right) / spacing);
   }
   for (std::uint32_t id = 0; id < scene.bodies.size(); ++id) {
     const BodyDesc& desc = scene.bodies[id];
