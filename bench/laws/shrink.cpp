@@ -40,8 +40,8 @@ SceneFluid boxed(SceneFluid fluid) {
   return fluid;
 }
 
-// The lower, left or right half of a fluid; of a list the first or the second half of its particles (`part` 1 or 2; of 0
-// the first).
+// The lower (part 0), left (1) or right (2) half of a fluid. Of a list, part 2 is the second half of the particles and the
+// others are the first one.
 SceneFluid half_of(const SceneFluid& fluid, int part) {
   SceneFluid out = boxed(fluid);
   if (auto* b = std::get_if<Bounds>(&out.place)) {
