@@ -36,7 +36,7 @@ struct FluidEvent {
   FluidId fluid = 0;           ///< what the particle is of
   std::uint32_t particle = 0;  ///< FluidParticleState::id
 
-  bool operator==(const FluidEvent&) const = default;
+  bool operator==(const FluidEvent&) const = default;  ///< whether all is the same
 };
 
 /// Two bodies hit each other.
