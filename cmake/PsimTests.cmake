@@ -158,7 +158,7 @@ if(TARGET laws)
   set(_fluid_laws laws --fluids --known "${PROJECT_SOURCE_DIR}/tests/laws/known_fluids.txt"
                   --out "${CMAKE_BINARY_DIR}/laws-broken" --most 1)
   add_test(NAME Laws.FluidsKnownSeed COMMAND ${_fluid_laws} --seed 1 --scenes 10 --seconds 300)
-  add_test(NAME Laws.FluidsNewSeed COMMAND ${_fluid_laws} --seconds 15)
+  add_test(NAME Laws.FluidsNewSeed COMMAND ${_fluid_laws} --seconds 8)
   set_tests_properties(Laws.KnownSeed Laws.NewSeed Laws.FluidsKnownSeed Laws.FluidsNewSeed
                        PROPERTIES LABELS laws TIMEOUT 900)
 endif()

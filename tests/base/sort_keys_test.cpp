@@ -18,7 +18,8 @@ TEST(SortKeys, ByTheUpperHalfKeepsTheOrderOfEqualOnes) {
       std::vector<std::uint64_t> keys;
       for (std::size_t k = 0; k < count; ++k) keys.push_back((drawn() % most) << 32 | (drawn() & 0xFFFFFFFFu));
       std::vector<std::uint64_t> want = keys;
-      std::ranges::stable_sort(want, {}, [](std::uint64_t key) { return key >> 32; });
+      std::stable_sort(want.begin(), want.end(),
+                       [](std::uint64_t a, std::uint64_t b) { return (a >> 32) < (b >> 32); });
       sort_by_upper_half(keys);
       EXPECT_EQ(keys, want) << most << ", " << count;
     }

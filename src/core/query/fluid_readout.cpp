@@ -30,7 +30,7 @@ class TileFields {
     for (std::int32_t j = 0; j < high_; ++j) {
       for (std::int32_t i = 0; i < wide_; ++i) {
         const std::size_t n = tile_node(i, j);
-        Cell& cell = cells_[static_cast<std::size_t>(j * kTile + i)];
+        Cell& cell = cells_[place(i, j)];
         cell.full = diagonal[n] > 0;
         if (!cell.full) continue;
         cell.error = plane_at(grid.field(S::kError, tile), diagonal, n);
@@ -53,7 +53,7 @@ class TileFields {
     for (std::int32_t j = std::max(cj - 1, 0); j <= std::min(cj + 1, high_ - 1); ++j) {
       const double dy = y - j - 0.5, weight_y = weight(dy);
       for (std::int32_t i = std::max(ci - 1, 0); i <= std::min(ci + 1, wide_ - 1); ++i) {
-        const Cell& cell = cells_[static_cast<std::size_t>(j * kTile + i)];
+        const Cell& cell = cells_[place(i, j)];
         if (!cell.full) continue;
         const double dx = x - i - 0.5, w = weight(dx) * weight_y;
         sum.error += w * cell.error.at(dx, dy);
@@ -73,6 +73,11 @@ class TileFields {
     Plane error, pressure;
     bool full = false;
   };
+
+  static std::size_t place(std::int32_t i, std::int32_t j) {
+    const std::int32_t n = j * kTile + i;
+    return static_cast<std::size_t>(n);
+  }
 
   // A field around a node: slopes are those to the neighbours that are full.
   static Plane plane_at(const float* value, const float* diagonal, std::size_t n) {
