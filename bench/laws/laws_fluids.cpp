@@ -203,6 +203,7 @@ std::optional<Fault> momentum(const Scene& scene) {
   if (!has_water(scene)) return std::nullopt;
   const auto course = sums_course(scene, scene, {}, 120);
   const FluidSums& start = course[0];
+  if (!(start.moving > 0)) return std::nullopt;  // nothing to compare with
   const double size = std::sqrt(fluid_area(scene));
   double worst = 0, turned = 0;
   int frame_worst = 0;
