@@ -120,9 +120,9 @@ class ViscousTile {
     return moves(m) || at(names_.valid, m) != 0 ? k : wall ? (along ? 2 * k : k) : 0.0f;
   }
 
-  // A body that takes the face at `behind` holds the face n at `from`: as its surface does, which lies between the two.
+  // A body that takes the face at `behind` holds the face n, which lies at `from`: its surface lies between the two.
   float hold(std::size_t n, Place2 from, Place2 behind, float k, float drawn) {
-    Near out = nearest(from), in = nearest(behind);
+    const Near out = nearest(from), in = nearest(behind);
     const FluidSolid* solid = in.solid;
     if (solid == nullptr) {
       held_ += k * drawn;
