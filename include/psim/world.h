@@ -242,8 +242,8 @@ class PSIM_API World {
   std::size_t joint_count() const;
   /// Those of a body, by index; none if the id is stale.
   std::vector<JointId> joints_of(BodyId id) const;
-  /// Those whose lines a segment crosses or touches, by index: the lines that debug_draw draws of them, from anchor to anchor
-  /// and from the bodies' places to their anchors. A host that removes them has cut a rope or a net. None if a number is
+  /// Returns the joints whose lines a segment crosses or touches, by index. Their lines are those that debug_draw draws, from
+  /// anchor to anchor and from the bodies' places to their anchors. A host that removes them has cut a rope or a net. None if a number is
   /// not finite. O(joints).
   std::vector<JointId> joints_across(Vec2 from, Vec2 to) const;
 

@@ -39,7 +39,7 @@ FluidSurvey make_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& 
 void show_shares(FluidGrid& grid, std::size_t tile, const FluidSpace& space, bool bodies);
 
 /// Adds a little to the equations for an even density, so that they have a solution where bodies shut in some cells: no
-/// displacement can bring these together or apart. The displacement fades over a hundred cells then.
+/// displacement can bring these together or apart. The displacement fades over a hundred cells there.
 void soften(FluidGrid& grid, std::size_t tile);
 /// Takes a mean from the cells of a field that have an equation; the others get 0.
 void take_mean_out(FluidGrid& grid, std::size_t tile, FluidSolver::Field field, float mean);

@@ -160,7 +160,7 @@ Stop stop_at(const FluidSolid& solid, Place2 from, Place2 to, float apart, float
   Place2 out;
   const float d = solid.distance(to, out);
   const float before = solid.distance(from, stop.out);
-  // What is within a thin shape, which counts as wider than it is, still is on one side of it.
+  // A thin shape counts as wider than it is, so that a particle within it still lies on one of its sides.
   if (before < 0 && !solid.thin) {
     if (d >= apart) return {};
     const float by = std::min(apart - d, most);

@@ -26,8 +26,8 @@ constexpr float kMostlyTaken = 0.5f;  // share of a face that is open: with less
 constexpr float kLeastWay = 0.5f;     // cells: a surface counts as no nearer to a face
 constexpr double kHeldStiffer = 1.5;  // where something holds the fluid, theta is that of flows so much stiffer
 
-// What the pressure of the last step does to faces in this one, m/s. Viscosity acts on velocities that have it: else it would
-// see water at rest fall in every step, and hold it back where something stands.
+// Finds the velocity, m/s, that the pressure of the last step gives to faces in this one. Viscosity acts on velocities that have
+// it: else it would see water at rest fall in every step, and hold it back where something stands.
 void find_push(FluidGrid& grid, std::size_t t, const Names& names, std::size_t back, float per_cell) {
   grid.pull_near(S::kPressure, t);
   const float *pressure = grid.field(S::kPressure, t), *slope = grid.field(names.slope, t);
@@ -110,8 +110,8 @@ class ViscousTile {
     return std::fabs(now);
   }
 
-  // What the face (i, j) gives to the equation of the face (from_i, from_j) beside it. A wall beside that one is half a cell
-  // away, before or behind it a whole one.
+  // Returns what the face (i, j) adds to the diagonal of the face (from_i, from_j) beside it. A wall beside that one is half a
+  // cell away, before or behind it a whole one.
   float link(std::int32_t from_i, std::int32_t from_j, std::int32_t i, std::int32_t j, float k, bool wall, bool along) {
     const std::size_t m = tile_node(i, j);
     if (bodies_ && at(names_.valid, m) == 0 && at(names_.open, m) < kMostlyTaken) {

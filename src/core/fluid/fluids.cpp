@@ -307,8 +307,10 @@ void Fluids::solve() {
   const int first = solver_.solve(S::kPressure, S::kRight, kPressureTolerance * all.largest, kMostIterations,
                                   bodies_.any_moving() ? &bodies_ : nullptr);
   if (bodies_.any()) {
-    solver_.each_of(near_, [&](std::size_t t) { soften(grid, t); });
-    solver_.coarsen(space_);
+    // The coarser levels only guess, and stay those of the pressure.
+    solver_.each_of(near_, [&](std::size_t t) {
+      if (!bodies_.at(t).empty()) soften(grid, t);
+    });
   }
   const int second = solver_.solve(S::kEven, S::kUneven, kEvenTolerance * all.largest_even, kMostIterations);
   iterations_ += static_cast<std::uint32_t>(first + second);

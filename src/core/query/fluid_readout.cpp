@@ -1,4 +1,4 @@
-// What a host is told of particles: where they are, and of their cells how full they are and the pressure.
+// Tells a host of particles: where each is, how full the cells around it are, and the pressure there.
 #include <algorithm>
 #include <array>
 #include <cmath>
