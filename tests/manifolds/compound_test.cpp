@@ -98,13 +98,14 @@ TEST(Compound, StandsOnItsLegsAndEachBearsItsShare) {
 TEST(Compound, HoldsWhatLiesInIt) {
   auto world = make(unbounded(50));
   add(*world, ground(material(0, 0.5)));
-  add(*world,
-      compound({part(BoxShape{2, 0.2}), part(BoxShape{0.2, 1}, {-0.9, 0.6}), part(BoxShape{0.2, 1}, {0.9, 0.6})},
-               {0, 0.1}, material(0, 0.5)));
+  const BodyId tray =
+      add(*world,
+          compound({part(BoxShape{2, 0.2}), part(BoxShape{0.2, 1}, {-0.9, 0.6}), part(BoxShape{0.2, 1}, {0.9, 0.6})},
+                   {0, 0.1}, material(0, 0.5)));
   const BodyId ball = add(*world, disc({0.3, 3}, {0.5, 0}, 0.3));
   run(*world, 400);
   EXPECT_NEAR(state(*world, ball).y, 0.5, 3e-3);
-  EXPECT_LT(std::fabs(state(*world, ball).x), 0.51);
+  EXPECT_LT(std::fabs(state(*world, ball).x - state(*world, tray).x), 0.51);  // the ball pushes the tray a little
 }
 
 TEST(Compound, PartsHaveTheirOwnMaterial) {
