@@ -50,9 +50,16 @@ void FluidCut::run() {
   }
   end_at_walls();
   find_middles();
-  open_faces();
   see();
+  open_faces();
   make_rows();
+}
+
+void FluidCut::add_cover(const Cover& c) {
+  covers_.push_back(c);
+  total_[square(c.a, c.b)] += c.share;
+  Most& most = most_[square(c.a, c.b)];
+  if (c.share > most.share) most = {c.share, c.solid};
 }
 
 void FluidCut::cover_tiny(std::uint32_t k, const FluidSolid& s) {
@@ -62,8 +69,7 @@ void FluidCut::cover_tiny(std::uint32_t k, const FluidSolid& s) {
     for (std::int32_t a = std::max(i - 1, kFirst); a <= std::min(i + 1, kFirst + kSide - 1); ++a) {
       const float w = spline(x - static_cast<float>(a) - 0.5f) * spline(y - static_cast<float>(b) - 0.5f);
       const float share = w * s.area / (side_x_ * side_y_);
-      if (share > 0) covers_.push_back({k, a, b, share});
-      total_[square(a, b)] += share;
+      if (share > 0) add_cover({k, a, b, share});
       kernel_[square(a, b)] += share;
     }
   }
@@ -103,9 +109,7 @@ void FluidCut::cover(std::uint32_t k) {
       Place2 out;
       const float d = s.distance(middle_of(a, b), out), share = right * share_at(d, out);
       kernel_[square(a, b)] += right * (1 - share_below(d / half, 1));
-      if (!(share > 0)) continue;
-      covers_.push_back({k, a, b, share});
-      total_[square(a, b)] += share;
+      if (share > 0) add_cover({k, a, b, share});
     }
   }
 }
@@ -177,6 +181,24 @@ bool FluidCut::closes(std::size_t n, std::size_t m, std::uint32_t& solid) const 
   return false;
 }
 
+// Whether so little is open of the face between the cells n and m that the equations take it as closed. What is left of it
+// then belongs to the shape that takes most of a square at it: that bears the pressure on the whole face. `a` and `b`: the
+// first square of n.
+bool FluidCut::is_shut(std::size_t n, std::size_t m, std::int32_t a, std::int32_t b, float open,
+                       std::uint32_t& solid) const {
+  if (!(open > 0) || (open >= kLeastOpen && sees_[n] >= kLeastSeen && sees_[m] >= kLeastSeen)) return false;
+  const bool across = n - m == 1;
+  Most most;
+  for (const std::int32_t side : {-1, 0}) {
+    for (const std::int32_t along : {0, 1}) {
+      const Most& here = most_[across ? square(a + side, b + along) : square(a + along, b + side)];
+      if (here.share > most.share) most = here;
+    }
+  }
+  solid = most.solid;
+  return most.share > 0;
+}
+
 void FluidCut::open_faces() {
   float *open_u = grid_.field(S::kOpenU, t_), *open_v = grid_.field(S::kOpenV, t_);
   for (std::int32_t j = 0; j <= tile_.high; ++j) {
@@ -185,7 +207,7 @@ void FluidCut::open_faces() {
       const std::int32_t a = 2 * i, b = 2 * j;
       const auto face = [&](std::size_t m, float share, bool across, Place2 at, float& all, float& open) {
         std::uint32_t solid = 0;
-        if (closes(n, m, solid)) {
+        if (closes(n, m, solid) || is_shut(n, m, a, b, 1 - share, solid)) {
           closed_.push_back({across, n, at, solids_[solid].body, 1 - share});
           share = 1;
         }
@@ -209,14 +231,15 @@ void FluidCut::open_faces() {
 void FluidCut::see() {
   constexpr float kParts[4] = {0.125f, 0.375f, 0.375f, 0.125f};
   float *seen = grid_.field(S::kSeen, t_), *fine = grid_.field(S::kFine, t_);
-  for (std::int32_t j = 0; j < tile_.high; ++j) {
-    for (std::int32_t i = 0; i < tile_.wide; ++i) {
+  for (std::int32_t j = -1; j <= tile_.high; ++j) {
+    for (std::int32_t i = -1; i <= tile_.wide; ++i) {
       float solid = 0;
       for (std::int32_t b = 0; b < 4; ++b) {
         for (std::int32_t a = 0; a < 4; ++a)
           solid += kParts[a] * kParts[b] * kernel_[square(2 * i + a - 1, 2 * j + b - 1)];
       }
-      seen[tile_node(i, j)] = 1 - solid;
+      sees_[tile_node(i, j)] = 1 - solid;
+      if (i >= 0 && j >= 0 && i < tile_.wide && j < tile_.high) seen[tile_node(i, j)] = 1 - solid;
     }
   }
   for (std::int32_t b = 0; b < 2 * tile_.high; ++b) {

@@ -29,6 +29,10 @@ class FluidCut {
     Place2 out, at;         // where it is, or comes out of thin shapes
     std::uint32_t solid = 0;
   };
+  struct Most {
+    float share = 0;
+    std::uint32_t solid = 0;
+  };
   struct ClosedFace {
     bool across;  // across x
     std::size_t node;
@@ -43,12 +47,14 @@ class FluidCut {
   Place2 middle_of(std::int32_t a, std::int32_t b) const {
     return {(static_cast<float>(a) + 0.5f) * side_x_, (static_cast<float>(b) + 0.5f) * side_y_};
   }
+  void add_cover(const Cover& c);
   void cover(std::uint32_t k);
   void cover_tiny(std::uint32_t k, const FluidSolid& s);
   void end_at_walls();
   void find_middles();
   Place2 way_out(Place2 at, const Middle& nearest) const;
   bool closes(std::size_t n, std::size_t m, std::uint32_t& solid) const;
+  bool is_shut(std::size_t n, std::size_t m, std::int32_t a, std::int32_t b, float open, std::uint32_t& solid) const;
   void open_faces();
   void see();
   void make_rows();
@@ -60,9 +66,11 @@ class FluidCut {
   const FluidSpace& space_;
   FluidBodies& bodies_;
   std::span<FluidSolid> solids_;
-  float side_x_, side_y_;                      // of a square, m
-  std::array<float, kSide * kSide> total_{};   // the share of a square that is solid
-  std::array<float, kSide * kSide> kernel_{};  // what a kernel of squares sees there that is solid
+  float side_x_, side_y_;                         // of a square, m
+  std::array<float, kSide * kSide> total_{};      // the share of a square that is solid
+  std::array<float, kSide * kSide> kernel_{};     // what a kernel of squares sees there that is solid
+  std::array<Most, kSide * kSide> most_{};        // the shape that takes most of a square
+  std::array<float, kernels::kTileFloats> sees_;  // what the kernel of a cell sees that is open
   std::vector<Cover> covers_;
   std::array<Middle, kernels::kTileFloats> middles_{};
   std::vector<ClosedFace> closed_;

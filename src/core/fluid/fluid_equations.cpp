@@ -14,10 +14,8 @@ using S = FluidSolver;
 
 namespace {
 
-constexpr float kLeastSeen = 0.02f;   // a cell whose kernel sees less that is open is none
 constexpr float kSolidSeen = 0.3f;    // and one that sees less than this is no surface for its neighbours
 constexpr float kMostlySolid = 0.4f;  // a cell of which bodies leave less to be seen is as full as its neighbours
-constexpr float kLeastOpen = 0.01f;   // a face of which bodies leave less is closed
 constexpr float kMostUneven = 0.5f;   // errors of the density are mended in steps of this
 // By a cell, of pressure between a full cell and one that is not. Where the surface hardly slopes, both may lie within it.
 constexpr float kLeastFall = 0.01f, kMostFall = 20;

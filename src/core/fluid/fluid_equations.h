@@ -19,6 +19,11 @@ struct FluidSurvey {
   bool surface = false;     ///< whether one of them lies beside a cell without pressure
 };
 
+/// A cell whose kernel sees less that bodies leave open is none.
+inline constexpr float kLeastSeen = 0.02f;
+/// A face of which bodies leave less is closed.
+inline constexpr float kLeastOpen = 0.01f;
+
 /// Share of a cell beyond which it counts as full: then it has an equation.
 inline constexpr float kFullCell = 0.53f;
 
