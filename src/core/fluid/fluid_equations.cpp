@@ -16,7 +16,10 @@ namespace {
 
 constexpr float kSolidSeen = 0.3f;    // and one that sees less than this is no surface for its neighbours
 constexpr float kMostlySolid = 0.4f;  // a cell of which bodies leave less to be seen is as full as its neighbours
-constexpr float kMostUneven = 0.5f;   // errors of the density are mended in steps of this
+// Such a cell is at least as full as it sees itself, up to this share: a film along a wall may fill it and not the cells
+// beside it. With their share alone the surface would lie near its middle, and pressure would shoot the film up the wall.
+constexpr float kOwnShare = 0.8f;
+constexpr float kMostUneven = 0.5f;  // errors of the density are mended in steps of this
 // By a cell, of pressure between a full cell and one that is not. Where the surface hardly slopes, both may lie within it.
 constexpr float kLeastFall = 0.01f, kMostFall = 20;
 
@@ -165,7 +168,8 @@ class Setup {
     }
   }
 
-  // Of a cell that lies for the most part within bodies too little is seen to say how full it is: its neighbours say it.
+  // Of a cell that lies for the most part within bodies too little is seen to say how full it is: its neighbours say it,
+  // unless it is fuller (kOwnShare).
   void look_into_bodies() {
     const float *open_u = field(S::kOpenU), *open_v = field(S::kOpenV);
     std::copy_n(share_, kTileFloats, own_);
@@ -183,7 +187,7 @@ class Setup {
         add(n + 1, open_u[n + 1]);
         add(n - kTilePitch, open_v[n]);
         add(n + kTilePitch, open_v[n + kTilePitch]);
-        if (weights > 0) share_[n] = sum / weights;
+        if (weights > 0) share_[n] = std::max(sum / weights, std::min(own_[n], kOwnShare));
       }
     }
   }
