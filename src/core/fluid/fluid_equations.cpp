@@ -16,8 +16,9 @@ namespace {
 
 constexpr float kSolidSeen = 0.3f;    // and one that sees less than this is no surface for its neighbours
 constexpr float kMostlySolid = 0.4f;  // a cell of which bodies leave less to be seen is as full as its neighbours
-// Such a cell is at least as full as it sees itself, up to this share: a film along a wall may fill it and not the cells
-// beside it. With their share alone the surface would lie near its middle, and pressure would shoot the film up the wall.
+// A cell that is mostly solid counts as at least as full as its own kernel says, up to this share: a film along a wall may
+// fill it and not the cells beside it. With their share alone the surface would seem to lie near its middle, and pressure
+// would shoot the film up the wall.
 constexpr float kOwnShare = 0.8f;
 constexpr float kMostUneven = 0.5f;  // errors of the density are mended in steps of this
 // By a cell, of pressure between a full cell and one that is not. Where the surface hardly slopes, both may lie within it.
@@ -168,8 +169,8 @@ class Setup {
     }
   }
 
-  // Of a cell that lies for the most part within bodies too little is seen to say how full it is: its neighbours say it,
-  // unless it is fuller (kOwnShare).
+  // The kernel of a cell that lies for the most part within bodies sees too little to say how full the cell is. It takes the
+  // mean of its neighbours, unless it sees itself as fuller (kOwnShare).
   void look_into_bodies() {
     const float *open_u = field(S::kOpenU), *open_v = field(S::kOpenV);
     std::copy_n(share_, kTileFloats, own_);
