@@ -64,6 +64,16 @@ function(psim_for_this_system list)
   set(${list} "${${list}}" PARENT_SCOPE)
 endfunction()
 
+# For code around the engine, whose own speed hardly matters: takes a quarter to a half less time to compile. The engine
+# keeps what the preset says.
+function(psim_compile_quickly target)
+  if(PSIM_SANITIZE)
+    target_compile_options(${target} PRIVATE -O0)
+  elseif(CMAKE_BUILD_TYPE STREQUAL "Release" AND NOT EMSCRIPTEN)
+    target_compile_options(${target} PRIVATE $<IF:$<BOOL:${MSVC}>,/O1,-O1>)
+  endif()
+endfunction()
+
 # A third of the time of most files is these headers. Off by default, for files that lack an include would go unseen
 # (.ci/run builds each target without them in one preset), and with ccache, which does not keep what uses them.
 function(psim_precompile target)

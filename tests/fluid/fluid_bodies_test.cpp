@@ -193,6 +193,57 @@ TEST(FluidBodies, AJetDoesNotPassAThinWall) {
   }
 }
 
+// A film on a floor, and bodies that fall on it: they do not press it through the floor, and it comes out below them.
+enum class Floor { line, plate, wall };
+
+void expect_a_film_stays_above(Floor floor, double speed) {
+  auto world = make(walled({0, floor == Floor::wall ? 1.0 : 0.0, 4, 3}));
+  if (floor == Floor::line) add(*world, segment({0, 1}, {4, 1}));
+  if (floor == Floor::plate) {
+    BodyDesc plate = box_at({2, 0.98}, 4, 0.04, 1000);
+    plate.type = BodyType::static_body;
+    add(*world, plate);
+  }
+  std::string error;
+  const FluidId water = world->add_fluid({kPace, 1000, 0}, error);
+  std::vector<Vec2> places;
+  for (double y = 1 + kPace / 2; y < 1 + 3 * kPace; y += kPace) {
+    for (double x = kPace / 2; x < 4; x += kPace) places.push_back({x, y});
+  }
+  ASSERT_TRUE(world->add_particles(water, places, {}, error)) << error;
+  const ConvexOutline box = box_outline(0.6, 0.3);
+  const double radius = 0.25;
+  BodyDesc falls = box_at({1, 1.6}, 0.6, 0.3, 3000);
+  falls.velocity = {0, -speed};
+  const BodyId fallen = add(*world, falls);
+  BodyDesc ball = disc({3, 1.6}, {0, -speed}, radius);
+  ball.material.density = 3000;
+  const BodyId rolled = add(*world, ball);
+  for (int frame = 1; frame <= 90; ++frame) {
+    run(*world, 1);
+    const BodyState b = *world->body(fallen), d = *world->body(rolled);
+    const FluidSolid solid =
+        fluid_solid(outline_of({box.v[0], box.v[1], box.v[2], box.v[3]}, 0, b.angle), {}, 2 * kPace);
+    for (const FluidParticleState& p : particles_of(*world)) {
+      ASSERT_GT(p.position.y, 1 - 1e-4) << "frame " << frame << ", x " << p.position.x;
+      if (frame < 30) continue;
+      Place2 out;
+      const Place2 from_box{static_cast<float>(p.position.x - b.x), static_cast<float>(p.position.y - b.y)};
+      ASSERT_GT(solid.distance(from_box, out), -kPace) << "frame " << frame;
+      ASSERT_GT(std::hypot(p.position.x - d.x, p.position.y - d.y), radius - kPace) << "frame " << frame;
+    }
+  }
+}
+
+TEST(FluidBodies, PressNoFilmThroughAFloor) {
+  for (const Floor floor : {Floor::line, Floor::plate, Floor::wall}) {
+    for (const double speed : {0.0, 5.0, 40.0}) {
+      SCOPED_TRACE(testing::Message() << "floor " << static_cast<int>(floor) << ", " << speed << " m/s");
+      expect_a_film_stays_above(floor, speed);
+    }
+  }
+}
+
 // A drum that turns, a paddle and discs: the same bits on all instruction sets and threads, and from a saved state.
 std::unique_ptr<World> stirred(Isa isa, int threads) {
   auto world = make(walled({0, 0, 4, 3}), isa, threads);

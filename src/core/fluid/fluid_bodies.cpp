@@ -175,9 +175,9 @@ Place2 FluidBodies::speed_at(const FluidSolid& solid, Place2 at) const {
 
 bool FluidBodies::keep_out(std::span<const FluidSolid> solids, Place2 from, float dt, float cell, Place2& at,
                            Place2& speed, float mass, std::vector<FluidHits>& hits) const {
-  bool changed = false;
-  for (int pass = 0; pass < kMostStops; ++pass) {
-    bool again = false;
+  bool changed = false, again = true;
+  for (int pass = 0; pass < kMostStops && again; ++pass) {
+    again = false;
     for (const FluidSolid& solid : solids) {
       const Place2 moves = speed_at(solid, from);
       const Stop stop = stop_at(solid, {from.x + dt * moves.x, from.y + dt * moves.y}, at, kApartFromShapes * cell,
@@ -201,9 +201,28 @@ bool FluidBodies::keep_out(std::span<const FluidSolid> solids, Place2 from, floa
       }
       changed = again = true;
     }
-    if (!again) break;
   }
+  // Between shapes that come together there is no place. Those that move do not press it through one that stands.
+  if (again && stopped_by_fixed(solids, from, at, cell)) at = from;
   return changed;
+}
+
+bool FluidBodies::stopped_by_fixed(std::span<const FluidSolid> solids, Place2 from, Place2 to, float cell) const {
+  return std::any_of(solids.begin(), solids.end(), [&](const FluidSolid& solid) {
+    return !bodies_[solid.body].moves && stop_at(solid, from, to, kApartFromShapes * cell, kMostWayOut * cell).stopped;
+  });
+}
+
+void FluidBodies::slip_out(std::span<const FluidSolid> solids, float cell, Place2& at) const {
+  for (const FluidSolid& solid : solids) {
+    if (!bodies_[solid.body].moves) continue;
+    Place2 out;
+    if (!(solid.distance(at, out) < 0)) continue;
+    const float side = (at.x - solid.centre_x) * out.y - (at.y - solid.centre_y) * out.x;
+    const float way = side < 0 ? -kMostWayOut * cell : kMostWayOut * cell;
+    const Place2 aside{at.x + way * out.y, at.y - way * out.x};
+    if (!stopped_by_fixed(solids, at, aside, cell)) at = aside;
+  }
 }
 
 void FluidBodies::take_hits(const std::vector<FluidHits>& hits, double cell) {

@@ -117,6 +117,9 @@ class FluidBodies : public SolverRows {
   /// FluidMotion. Returns whether it changed anything. `hits` takes down what the shapes bear.
   bool keep_out(std::span<const FluidSolid> solids, Place2 from, float dt, float cell, Place2& at, Place2& speed,
                 float mass, std::vector<FluidHits>& hits) const;
+  /// A particle that is caught between a shape that moves and one that stands, or the world's wall, goes along the face that
+  /// presses it, away from the middle of its body.
+  void slip_out(std::span<const FluidSolid> solids, float cell, Place2& at) const;
   /// Bodies bear this in this part of a step. `cell`: area of a cell, m^2. Lists come in an order that depends on nothing
   /// but the particles.
   void take_hits(const std::vector<FluidHits>& hits, double cell);
@@ -177,6 +180,7 @@ class FluidBodies : public SolverRows {
   void sum_rows(FluidGrid& grid, std::size_t x);
   void bear_hits();
   FluidHits borne_by(std::uint32_t id) const;
+  bool stopped_by_fixed(std::span<const FluidSolid> solids, Place2 from, Place2 to, float cell) const;
   FluidForce so_far(std::uint32_t id, std::uint32_t generation) const;
 
   FluidSolver& solver_;

@@ -139,19 +139,32 @@ std::size_t place_in(const std::vector<std::uint64_t>& keys, std::uint64_t key) 
   return static_cast<std::size_t>(std::ranges::lower_bound(keys, key) - keys.begin());
 }
 
-// Keeps a particle, which was at `from`, out of shapes.
+// Keeps a particle, which was at `from`, out of shapes, and within the walls of the world. `home` is the tile that its place
+// is counted from.
 void keep_out_of(const FluidBodies& bodies, std::span<const FluidSolid> solids, Place2 from, float dt,
-                 const FluidSpace& space, const float* mass, FluidParticle& p, std::vector<FluidHits>& hits) {
+                 const FluidSpace& space, const Home& home, const float* mass, FluidParticle& p,
+                 std::vector<FluidHits>& hits) {
+  const bool walls = space.boundary == Boundary::walls;
   const auto wide = static_cast<float>(space.cell_x), high = static_cast<float>(space.cell_y);
+  const float cell = std::max(wide, high);
   Place2 at{p.x * wide, p.y * high}, speed{p.u, p.v};
-  if (!bodies.keep_out(solids, {from.x * wide, from.y * high}, dt, std::max(wide, high), at, speed, mass[p.fluid],
-                       hits)) {
+  const bool changed =
+      bodies.keep_out(solids, {from.x * wide, from.y * high}, dt, cell, at, speed, mass[p.fluid], hits);
+  const auto put = [&] {
+    p.x = at.x / wide;
+    p.y = at.y / high;
+    if (walls) keep_within(space, home.x, home.y, p);
+  };
+  if (!changed) {
+    if (walls) keep_within(space, home.x, home.y, p);
     return;
   }
-  p.x = at.x / wide;
-  p.y = at.y / high;
   p.u = speed.x;
   p.v = speed.y;
+  put();
+  at = {p.x * wide, p.y * high};
+  bodies.slip_out(solids, cell, at);
+  put();
 }
 
 }  // namespace
@@ -159,8 +172,9 @@ void keep_out_of(const FluidBodies& bodies, std::span<const FluidSolid> solids, 
 void FluidParticles::keep_out(const FluidTile& tile, std::span<const FluidSolid> solids, std::span<const Place2> from,
                               const float* mass, const FluidSpace& space, const FluidBodies& bodies,
                               std::vector<FluidHits>& hits) {
+  const Home home(tile_key(tile.x, tile.y), space);
   for (std::uint32_t k = 0; k < tile.count; ++k) {
-    keep_out_of(bodies, solids, from[k], 0, space, mass, list_[tile.first + k], hits);
+    keep_out_of(bodies, solids, from[k], 0, space, home, mass, list_[tile.first + k], hits);
   }
 }
 
@@ -220,8 +234,8 @@ void FluidParticles::move_chunk(std::size_t job, const FluidSpace& space, const 
     if (home.near_wall || (walls && !home.holds(p))) keep_within(space, home.x, home.y, p);
     if (!solids.empty()) {
       // Beyond a wall of the world a particle might pass a shape that leans against it, and come back behind it.
-      keep_out_of(bodies, solids, chunks_[job].from[k - begin], bodies_moved, space, motion.mass, p, chunks_[job].hits);
-      if (walls) keep_within(space, home.x, home.y, p);
+      keep_out_of(bodies, solids, chunks_[job].from[k - begin], bodies_moved, space, home, motion.mass, p,
+                  chunks_[job].hits);
     }
     std::uint64_t key = from;
     if (!home.holds(p)) {
