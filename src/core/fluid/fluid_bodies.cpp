@@ -152,6 +152,7 @@ void FluidBodies::look(const FluidGrid& grid, const FluidSpace& space, double pa
   if (finder_ == nullptr) return;
   find(grid.keys, space, pool);
   tiles_.assign(grid.size(), Tile());
+  pulls_.assign(bodies_.size(), Sum());
   // Bodies have moved with all of the last step's force. Here it counts as far as parts of this step have given it; of the
   // next part its share counts, since pressure gives the rest.
   for (FluidBody& b : bodies_) {
@@ -384,8 +385,9 @@ void FluidBodies::bear(FluidGrid& grid, std::size_t pressure, double part) {
   };
   for (std::size_t b = 0; b < bodies_.size() && any(); ++b) {
     add_until(bodies_[b].id);
-    const Sum& sum = sums_[b];
-    add(bodies_[b].id, bodies_[b].generation, {density_ * sum.x, density_ * sum.y}, density_ * sum.turn);
+    const Sum &sum = sums_[b], &pull = pulls_[b];
+    add(bodies_[b].id, bodies_[b].generation, density_ * Vec2{sum.x + pull.x, sum.y + pull.y},
+        density_ * (sum.turn + pull.turn));
   }
   add_until(~0u);
   given_.swap(next_);

@@ -132,6 +132,28 @@ class FluidBodies : public SolverRows {
   /// Takes the bodies' motion into the right sides of pressure of a tile; returns the largest of them.
   float add_motion(FluidGrid& grid, std::size_t tile) const;
 
+  /// Calls visit(k, node, x, y, turn) for each cell of a tile that the k-th body meets: how much its velocity and its spin
+  /// press into the cell. The vector from (x, y) is that of the body's surface in the cell, and leads into the body.
+  template <class Visit>
+  void each_row(std::size_t tile, const Visit& visit) const {
+    for (const Run& run : tiles_[tile].runs) {
+      for (std::uint32_t k = run.first; k < run.end; ++k) {
+        const Row& row = tiles_[tile].rows[k];
+        visit(run.body, std::size_t{row.node}, row.x, row.y, row.turn);
+      }
+    }
+  }
+  /// Besides pressure the k-th body feels this in this part of a step, in units of the solution for pressure times area.
+  /// After draw(), before add_motion().
+  void pull(std::uint32_t k, double x, double y, double turn) {
+    FluidBody& b = bodies_[k];
+    b.velocity = b.velocity + density_ * b.inv_mass * Vec2{x, y};
+    b.spin += density_ * b.inv_inertia * turn;
+    pulls_[k].x += x;
+    pulls_[k].y += y;
+    pulls_[k].turn += turn;
+  }
+
   /// change += what moving bodies give if x is pressure; returns x times that.
   double apply(FluidGrid& grid, std::size_t x, std::size_t change) override;
   /// Whether some body moves with pressure.
@@ -191,9 +213,9 @@ class FluidBodies : public SolverRows {
   // What the parts of this step gave, by id: impulses, and the force in the last of them.
   std::vector<FluidForce> given_, next_;
   std::vector<Tile> tiles_;
-  std::vector<Sum> sums_, gains_;  // by body
-  std::vector<FluidHits> hits_;    // of this part of a step, in kg m/s
-  std::vector<FluidHits> borne_;   // what bodies bear of those of this step, by id
+  std::vector<Sum> sums_, gains_, pulls_;  // by body
+  std::vector<FluidHits> hits_;            // of this part of a step, in kg m/s
+  std::vector<FluidHits> borne_;           // what bodies bear of those of this step, by id
   double density_ = 1, share_ = 0, dt_ = 0;
   bool moving_ = false;
 };

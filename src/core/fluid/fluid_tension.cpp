@@ -81,6 +81,40 @@ void find_curvature(FluidGrid& grid, std::size_t t, const SurfaceTension& by) {
   });
 }
 
+void find_slopes(FluidGrid& grid, std::size_t t, const SurfaceTension& by) {
+  pull(grid, t, S::kShiftV);
+  if (by.by_fluid) grid.pull_ring(S::kWay, t);
+  const float *share = grid.field(S::kShiftV, t), *shares = grid.field(S::kWay, t);
+  const float* volume = grid.field(S::kVolume, t);
+  float *slope_x = grid.field(S::kChange, t), *slope_y = grid.field(S::kOther, t);
+  each_cell(grid.tiles[t], [&](std::size_t n) {
+    const float x = (share[n + 1] - share[n - 1]) / 2, y = (share[n + kTilePitch] - share[n - kTilePitch]) / 2;
+    float jump = x * x + y * y > kLeastSlope * kLeastSlope ? by.jump : 0;
+    if (by.by_fluid && jump != 0) {
+      const float around = sum_around(volume, n);
+      jump *= around > 0 ? sum_around(shares, n) / around : 0;
+    }
+    slope_x[n] = jump * x / by.cell_x;
+    slope_y[n] = jump * y / by.cell_y;
+  });
+}
+
+void pull_bodies(const FluidGrid& grid, std::span<const std::uint32_t> tiles, FluidBodies& bodies) {
+  for (const std::uint32_t t : tiles) {
+    const float *slope_x = grid.field(S::kChange, t), *slope_y = grid.field(S::kOther, t);
+    bodies.each_row(t, [&](std::uint32_t k, std::size_t n, float x, float y, float turn) {
+      const float gx = slope_x[n], gy = slope_y[n], slope = std::sqrt(gx * gx + gy * gy);
+      const float size = std::sqrt(x * x + y * y), across = x * gy - y * gx;
+      if (!(slope > 0) || !(size > 0)) return;
+      // Along the surface: (x, y) leads into the body, and this out of it.
+      const float force = across / slope;
+      const double arm = -static_cast<double>(std::fabs(across) / size);
+      bodies.pull(k, static_cast<double>(-force * gy), static_cast<double>(force * gx),
+                  arm * static_cast<double>(turn));
+    });
+  }
+}
+
 void find_surface_pressure(FluidGrid& grid, std::size_t t, const SurfaceTension& by) {
   pull(grid, t, S::kGainU);
   pull(grid, t, S::kShiftU);

@@ -4,6 +4,10 @@
 // and kShiftV, which are free then, hold what lies between.
 #pragma once
 
+#include <cstdint>
+#include <span>
+
+#include "fluid/fluid_bodies.h"
 #include "fluid/fluid_solver.h"
 
 namespace psim {
@@ -21,6 +25,11 @@ void smooth_share(FluidGrid& grid, std::size_t tile, FluidSolver::Field from, Fl
 /// The curvature of the surface as each cell sees it, times a weight, in kGainU, and the weight, in kShiftU. It is the sixth
 /// power of the slope: with a lower one, rough surfaces seem less curved.
 void find_curvature(FluidGrid& grid, std::size_t tile, const SurfaceTension& by);
+/// Where a surface ends on a body it pulls it: by the tension, out of the body, for it meets it at a right angle. Finds the slope
+/// of the share of fluid times `jump`, in kChange and kOther.
+void find_slopes(FluidGrid& grid, std::size_t tile, const SurfaceTension& by);
+/// Along a body's surface that slope adds up to `jump` at each end of a surface: the body takes it.
+void pull_bodies(const FluidGrid& grid, std::span<const std::uint32_t> tiles, FluidBodies& bodies);
 /// What pressure is in cells that are not full, as far as the surface lies beside them: in kShiftV.
 void find_surface_pressure(FluidGrid& grid, std::size_t tile, const SurfaceTension& by);
 

@@ -245,6 +245,10 @@ bool Fluids::draw_together() {
   solver_.each_of(near_, [&](std::size_t t) { show_shares(grid, t, space_, bodies_.any()); });
   solver_.each_of(near_, [&](std::size_t t) { smooth_share(grid, t, S::kGainU, S::kShiftU); });
   solver_.each_of(near_, [&](std::size_t t) { smooth_share(grid, t, S::kShiftU, S::kShiftV); });
+  if (bodies_.any()) {
+    solver_.each_of(near_, [&](std::size_t t) { find_slopes(grid, t, by); });
+    pull_bodies(grid, near_, bodies_);
+  }
   solver_.each_of(near_, [&](std::size_t t) { find_curvature(grid, t, by); });
   solver_.each_of(near_, [&](std::size_t t) { find_surface_pressure(grid, t, by); });
   return true;
