@@ -87,6 +87,25 @@ TEST(FluidMomentum, ADropThatClingsToABodyKeepsIt) {
   }
 }
 
+// A drop of water to honey takes a body along: the body is part of the equations of viscosity, or the stiffest drop would throw it
+// about. Before it was, the drops of 1 m^2/s lost 10 %, those of 10 m^2/s more than they had.
+TEST(FluidMomentum, AViscousDropThatTakesABodyAlongKeepsIt) {
+  for (const double viscosity : {0.1, 1.0, 10.0}) {
+    for (const auto& [shape, mass] :
+         {std::pair{R"({"disc": {"radius": 0.3}})", 300.0}, std::pair{R"({"box": {"size": [0.3, 0.6]}})", 200.0},
+          std::pair{R"({"box": {"size": [0.1, 0.8]}})", 100.0}}) {
+      Meeting m(R"("disc": {"position": [-0.9, -0.1], "radius": 0.7}, "velocity": [2, 0], "viscosity": )" +
+                    std::to_string(viscosity),
+                0.04, shape, mass);
+      const Vec2 before = m.momentum();
+      const double scale = m.particle * static_cast<double>(m.world->fluid_report().particles) * 2 + mass;
+      for (int frame = 0; frame < 120; ++frame) m.world->step(1.0 / 60);
+      const Vec2 after = m.momentum();
+      EXPECT_LT(std::hypot(after.x - before.x, after.y - before.y) / scale, 0.06) << viscosity << " " << shape;
+    }
+  }
+}
+
 // Single particles, too far apart for pressure, give what they lose.
 TEST(FluidMomentum, SprayPushesABody) {
   std::string x = "\"x\": [", y = "\"y\": [", vx = "\"vx\": [", vy = "\"vy\": [";

@@ -15,11 +15,12 @@ using S = FluidSolver;
 namespace {
 
 struct Names {
-  S::Field speed, valid, slope, drag, open, solid, push;
+  S::Field speed, valid, slope, drag, open, solid, push, mass;
 };
 constexpr Names names_of(Component of) {
-  return of == Component::u ? Names{S::kU, S::kValidU, S::kSlopeX, S::kDragU, S::kOpenU, S::kSolidU, S::kGainU}
-                            : Names{S::kV, S::kValidV, S::kSlopeY, S::kDragV, S::kOpenV, S::kSolidV, S::kGainV};
+  return of == Component::u
+             ? Names{S::kU, S::kValidU, S::kSlopeX, S::kDragU, S::kOpenU, S::kSolidU, S::kGainU, S::kMassU}
+             : Names{S::kV, S::kValidV, S::kSlopeY, S::kDragV, S::kOpenV, S::kSolidV, S::kGainV, S::kMassV};
 }
 
 constexpr float kMostlyTaken = 0.5f;  // share of a face that is open: with less, it moves as the body does
@@ -67,7 +68,7 @@ class ViscousTile {
 
   float run() {
     holds_.clear();
-    for (const S::Field f : {names_.valid, names_.slope}) grid_.pull_near(f, t_);
+    for (const S::Field f : {names_.valid, names_.slope, names_.mass, S::kVolume, S::kFill}) grid_.pull_near(f, t_);
     for (const S::Field f : {names_.open, names_.solid}) {
       if (bodies_) grid_.pull_cross(f, t_);
     }
@@ -82,8 +83,8 @@ class ViscousTile {
       for (std::int32_t i = 0; i <= tile.wide; ++i) {
         const std::size_t n = tile_node(i, j);
         if (!moves(n)) continue;
-        if (moves(n - 1)) grid_.field(S::kLinkX, t_)[n] = kx;
-        if (moves(n - kTilePitch)) grid_.field(S::kLinkY, t_)[n] = ky;
+        if (moves(n - 1)) grid_.field(S::kLinkX, t_)[n] = kx * density_between(n, n - 1);
+        if (moves(n - kTilePitch)) grid_.field(S::kLinkY, t_)[n] = ky * density_between(n, n - kTilePitch);
         if (i != tile.wide && j != tile.high) largest = std::max(largest, add_face(i, j, kx, ky));
       }
     }
@@ -91,10 +92,25 @@ class ViscousTile {
   }
 
  private:
-  bool moves(std::size_t n) const { return at(names_.valid, n) != 0 && at(names_.slope, n) > 0; }
+  bool moves(std::size_t n) const {
+    return at(names_.valid, n) != 0 && at(names_.slope, n) > 0 && at(names_.mass, n) > 0;
+  }
+  // Of a face, by that of a full one of the first fluid. Beside walls and bodies its kernel finds a part of it: they count as
+  // full of what is beside them.
+  float density_of(std::size_t n) const {
+    constexpr float kLeastSeenShare = 0.25f;
+    const auto sees = [&](std::size_t m) { return 1 - (at(S::kFill, m) - at(S::kVolume, m)); };
+    return at(names_.mass, n) / std::max((sees(n) + sees(n - (is_u_ ? 1 : kTilePitch))) / 2, kLeastSeenShare);
+  }
+  // What two faces exchange goes by the harmonic mean: one that is nearly empty is dragged at most twice as much as a full
+  // one, and both feel the same.
+  float density_between(std::size_t n, std::size_t m) const {
+    const float a = density_of(n), b = density_of(m);
+    return 2 * a * b / (a + b);
+  }
   float at(S::Field f, std::size_t n) const { return grid_.field(f, t_)[n]; }
 
-  // The equation of a face. Returns its speed.
+  // The equation of a face, times its mass. Returns its momentum.
   float add_face(std::int32_t i, std::int32_t j, float kx, float ky) {
     const std::size_t n = tile_node(i, j);
     held_ = 0;
@@ -102,35 +118,38 @@ class ViscousTile {
     const float across = link(i, j, i - 1, j, kx, walls.left, !is_u_) + link(i, j, i + 1, j, kx, walls.right, !is_u_);
     const float upright = link(i, j, i, j - 1, ky, walls.below, is_u_) + link(i, j, i, j + 1, ky, walls.above, is_u_);
     const float diagonal = across + upright;
-    const float now = at(names_.speed, n) + at(names_.push, n);
-    grid_.field(S::kDiagonal, t_)[n] = 1 + diagonal;
-    grid_.field(S::kReciprocal, t_)[n] = 1 / (1 + diagonal);
-    grid_.field(S::kUneven, t_)[n] = now + held_;
+    const float now = at(names_.speed, n) + at(names_.push, n), density = density_of(n);
+    grid_.field(S::kDiagonal, t_)[n] = density + diagonal;
+    grid_.field(S::kReciprocal, t_)[n] = 1 / (density + diagonal);
+    grid_.field(S::kUneven, t_)[n] = density * now + held_;
     grid_.field(S::kEven, t_)[n] = now;
-    return std::fabs(now);
+    return density * std::fabs(now);
   }
 
   // Returns what the face (i, j) adds to the diagonal of the face (from_i, from_j) beside it. A wall beside that one is half a
   // cell away, before or behind it a whole one.
   float link(std::int32_t from_i, std::int32_t from_j, std::int32_t i, std::int32_t j, float k, bool wall, bool along) {
-    const std::size_t m = tile_node(i, j);
+    const std::size_t n = tile_node(from_i, from_j), m = tile_node(i, j);
+    const float density = density_of(n);
     if (bodies_ && at(names_.valid, m) == 0 && at(names_.open, m) < kMostlyTaken) {
-      return hold(tile_node(from_i, from_j), place_of(from_i, from_j), place_of(i, j), k, at(names_.solid, m));
+      return hold(n, place_of(from_i, from_j), place_of(i, j), k, at(names_.solid, m));
     }
-    return moves(m) || at(names_.valid, m) != 0 ? k : wall ? (along ? 2 * k : k) : 0.0f;
+    if (moves(m)) return k * density_between(n, m);
+    return density * (at(names_.valid, m) != 0 ? k : wall ? (along ? 2 * k : k) : 0.0f);
   }
 
   // A body that takes the face at `behind` holds the face n, which lies at `from`: its surface lies between the two.
   float hold(std::size_t n, Place2 from, Place2 behind, float k, float drawn) {
     const Near out = nearest(from), in = nearest(behind);
     const FluidSolid* solid = in.solid;
+    const float density = density_of(n);
     if (solid == nullptr) {
-      held_ += k * drawn;
-      return k;
+      held_ += density * k * drawn;
+      return density * k;
     }
     const float all = out.distance - in.distance;
     const float way = in.distance < 0 && all > 0 ? std::max(out.distance / all, kLeastWay) : 1;
-    const float rate = k / way;
+    const float rate = density * (k / way);
     held_ += rate * drawn;
     const float arm = is_u_ ? solid->centre_y - behind.y : behind.x - solid->centre_x;
     holds_.push_back({static_cast<std::uint32_t>(n), solid->body, rate, drawn, arm});
@@ -168,28 +187,6 @@ class ViscousTile {
   float held_ = 0;  // what bodies beside a face give to its right side
 };
 
-// A body's speed along the component, and its spin.
-struct Motion {
-  double speed = 0, spin = 0;
-  double at(float arm) const { return speed + spin * static_cast<double>(arm); }
-};
-Motion motion_of(const FluidBody& b, Component of) {
-  return {of == Component::u ? b.velocity.x : b.velocity.y, b.spin};
-}
-
-// Calls each(hold, mass, tile), the mass of the face in kg, for all holds of bodies that can be moved, tile by tile.
-template <class Each>
-void each_hold(const FluidGrid& grid, std::span<const std::vector<FluidHold>> holds, Component of,
-               const FluidBodies& bodies, double cell, const Each& each) {
-  const S::Field mass = of == Component::u ? S::kMassU : S::kMassV;
-  for (std::size_t t = 0; t < holds.size(); ++t) {
-    for (const FluidHold& h : holds[t]) {
-      const FluidBody& b = bodies.body(h.body);
-      if (b.inv_mass > 0 || b.inv_inertia > 0) each(h, cell * static_cast<double>(grid.field(mass, t)[h.node]), t);
-    }
-  }
-}
-
 }  // namespace
 
 float make_viscous_equations(FluidGrid& grid, std::size_t t, const FluidSpace& space, const Viscosity& by, Component of,
@@ -197,56 +194,80 @@ float make_viscous_equations(FluidGrid& grid, std::size_t t, const FluidSpace& s
   return ViscousTile(grid, t, space, by, of, bodies, holds).run();
 }
 
-// (M + K) v' = M v + sum k m u with K = sum k m of the holds, for the speed and the spin of each body.
-void expect_bodies(FluidGrid& grid, std::span<std::vector<FluidHold>> holds, Component of, const FluidBodies& bodies,
-                   double cell) {
-  struct Sum {
-    double k = 0, arm = 0, square = 0, gain = 0, turn = 0;  // of k m, and of k m (u - v)
-  };
-  std::vector<Sum> sums(bodies.count());
-  each_hold(grid, holds, of, bodies, cell, [&](const FluidHold& h, double mass, std::size_t t) {
-    const double k = static_cast<double>(h.rate) * mass, arm = static_cast<double>(h.arm);
-    const double lag =
-        static_cast<double>(grid.field(S::kEven, t)[h.node]) - motion_of(bodies.body(h.body), of).at(h.arm);
-    Sum& s = sums[h.body];
-    s = {s.k + k, s.arm + k * arm, s.square + k * arm * arm, s.gain + k * lag, s.turn + k * arm * lag};
-  });
-  std::vector<Motion> expected(sums.size());
-  for (std::size_t k = 0; k < sums.size(); ++k) {
-    const FluidBody& b = bodies.body(static_cast<std::uint32_t>(k));
-    const Sum& s = sums[k];
-    // Times the inverse masses, which may be 0.
-    const double a11 = 1 + b.inv_mass * s.k, a12 = b.inv_mass * s.arm, a21 = b.inv_inertia * s.arm;
-    const double a22 = 1 + b.inv_inertia * s.square, r1 = b.inv_mass * s.gain, r2 = b.inv_inertia * s.turn;
-    const double below = a11 * a22 - a12 * a21;
-    const Motion now = motion_of(b, of);
-    expected[k] = {now.speed + (a22 * r1 - a12 * r2) / below, now.spin + (a11 * r2 - a21 * r1) / below};
-  }
-  for (std::size_t t = 0; t < holds.size(); ++t) {
-    for (FluidHold& h : holds[t]) {
-      const FluidBody& b = bodies.body(h.body);
-      if (!(b.inv_mass > 0) && !(b.inv_inertia > 0)) continue;
-      const auto speed = static_cast<float>(expected[h.body].at(h.arm));
-      grid.field(S::kUneven, t)[h.node] += h.rate * (speed - h.drawn);
-      h.drawn = speed;
+// Calls visit(hold, tile) for all holds of bodies that can be moved, tile by tile.
+template <class Each>
+void HeldBodies::each(const Each& visit) const {
+  for (std::size_t t = 0; t < holds_.size(); ++t) {
+    for (const FluidHold& h : holds_[t]) {
+      const FluidBody& b = bodies_.body(h.body);
+      if (b.inv_mass > 0 || b.inv_inertia > 0) visit(h, t);
     }
   }
 }
 
-void drag_bodies(const FluidGrid& grid, std::span<const std::vector<FluidHold>> holds, const Viscosity& by,
-                 Component of, FluidBodies& bodies, double cell) {
-  std::vector<Motion> gains(bodies.count());  // N s and N m s
-  each_hold(grid, holds, of, bodies, cell, [&](const FluidHold& h, double mass, std::size_t t) {
-    const double lag = static_cast<double>(grid.field(S::kEven, t)[h.node] - h.drawn);
-    const double push = static_cast<double>(h.rate) / by.theta() * mass * lag;
-    gains[h.body].speed += push;
-    gains[h.body].spin += push * static_cast<double>(h.arm);
+HeldBodies::Motion HeldBodies::solve(std::size_t body, double speed, double spin) const {
+  const FluidBody& b = bodies_.body(body);
+  const Body& s = sums_[body];
+  const double a11 = 1 + b.inv_mass * s.k, a12 = b.inv_mass * s.arm, a21 = b.inv_inertia * s.arm;
+  const double a22 = 1 + b.inv_inertia * s.square, below = a11 * a22 - a12 * a21;
+  return {(a22 * speed - a12 * spin) / below, (a11 * spin - a21 * speed) / below};
+}
+
+void HeldBodies::begin(FluidGrid& grid) {
+  sums_.assign(bodies_.count(), Body());
+  each([&](const FluidHold& h, std::size_t) {
+    const double k = cell_ * static_cast<double>(h.rate), arm = static_cast<double>(h.arm);
+    Body& s = sums_[h.body];
+    s.k += k;
+    s.arm += k * arm;
+    s.square += k * arm * arm;
+    any_ = true;
   });
-  for (std::size_t k = 0; k < gains.size(); ++k) {
-    const auto [push, turn] = gains[k];
-    if (push != 0 || turn != 0) {
-      bodies.drag(static_cast<std::uint32_t>(k), of == Component::u ? Vec2{push, 0} : Vec2{0, push}, turn);
-    }
+  for (std::size_t k = 0; k < sums_.size() && any_; ++k) {
+    const FluidBody& b = bodies_.body(k);
+    sums_[k].base = solve(k, of_ == Component::u ? b.velocity.x : b.velocity.y, b.spin);
+  }
+  each([&](const FluidHold& h, std::size_t t) {
+    grid.field(S::kUneven, t)[h.node] += h.rate * (static_cast<float>(sums_[h.body].base.at(h.arm)) - h.drawn);
+  });
+}
+
+// What a field of speeds gives to each body.
+void HeldBodies::sum(const FluidGrid& grid, std::size_t field) {
+  for (Body& s : sums_) s.gain = {};
+  each([&](const FluidHold& h, std::size_t t) {
+    const double push = cell_ * static_cast<double>(h.rate) * static_cast<double>(grid.field(field, t)[h.node]);
+    sums_[h.body].gain.speed += push;
+    sums_[h.body].gain.spin += push * static_cast<double>(h.arm);
+  });
+}
+
+double HeldBodies::apply(FluidGrid& grid, std::size_t x, std::size_t change) {
+  sum(grid, x);
+  double product = 0;
+  for (std::size_t k = 0; k < sums_.size(); ++k) {
+    const FluidBody& b = bodies_.body(k);
+    const Motion gain = sums_[k].gain;
+    sums_[k].gain = solve(k, b.inv_mass * gain.speed, b.inv_inertia * gain.spin);
+    product += gain.speed * sums_[k].gain.speed + gain.spin * sums_[k].gain.spin;
+  }
+  each([&](const FluidHold& h, std::size_t t) {
+    grid.field(change, t)[h.node] -= h.rate * static_cast<float>(sums_[h.body].gain.at(h.arm));
+  });
+  return -product / cell_;
+}
+
+void HeldBodies::bear(FluidGrid& grid, const Viscosity& by) {
+  sum(grid, S::kEven);
+  for (std::size_t k = 0; k < sums_.size(); ++k) {
+    const FluidBody& b = bodies_.body(k);
+    Body& s = sums_[k];
+    const Motion now = solve(k, b.inv_mass * s.gain.speed, b.inv_inertia * s.gain.spin);
+    const double speed = s.base.speed + now.speed, spin = s.base.spin + now.spin;
+    const double push = (s.gain.speed - s.k * speed - s.arm * spin) / by.theta();
+    const double turn = (s.gain.spin - s.arm * speed - s.square * spin) / by.theta();
+    if (push == 0 && turn == 0) continue;
+    bodies_.drag(static_cast<std::uint32_t>(k), of_ == Component::u ? Vec2{push, 0} : Vec2{0, push}, turn);
   }
 }
 

@@ -27,24 +27,57 @@ struct Viscosity {
 /// A face of a tile that a body beside it holds.
 struct FluidHold {
   std::uint32_t node = 0, body = 0;  ///< of the face; the body's number in FluidBodies
-  float rate = 0;                    ///< theta dt nu / cell^2
-  float drawn = 0;                   ///< m/s: the speed of the body there that the equations have
-  float arm = 0;                     ///< m: times the body's spin, rad/s, what that adds to its speed there
+  float rate = 0;   ///< theta dt nu / cell^2, times the density of the face, by that of the first fluid
+  float drawn = 0;  ///< m/s: the speed of the body there that the equations have
+  float arm = 0;    ///< m: times the body's spin, rad/s, what that adds to its speed there
 };
 
-/// Makes the equations of a tile for one component; kEven begins with the present velocity, which is the right side
-/// (kUneven), too. Returns the largest speed, m/s. make_equations() was called for all tiles.
+/// Makes the equations of a tile for one component, times the density of each face; kEven begins with the present velocity.
+/// Returns the largest right side (kUneven) without bodies, m/s. make_equations() was called for all tiles.
 /// `holds`: of the bodies around the tile.
 float make_viscous_equations(FluidGrid& grid, std::size_t tile, const FluidSpace& space, const Viscosity& by,
                              Component of, FluidBodies& bodies, std::vector<FluidHold>& holds);
-/// Gives each body beside the fluid the velocity in the equations that it will have if the fluid goes on as it does: a light
-/// one goes with honey. `holds`: by tile. `cell`: kg, the mass of a full one.
-void expect_bodies(FluidGrid& grid, std::span<std::vector<FluidHold>> holds, Component of, const FluidBodies& bodies,
-                   double cell);
 /// Changes the velocity of a tile's faces by what was found in kEven, and keeps the change in kDragU or kDragV.
 void drag_faces(FluidGrid& grid, std::size_t tile, const Viscosity& by, Component of);
-/// Bodies bear what they gave to faces.
-void drag_bodies(const FluidGrid& grid, std::span<const std::vector<FluidHold>> holds, const Viscosity& by,
-                 Component of, FluidBodies& bodies, double cell);
+
+/// The bodies that hold faces move with the fluid, which is part of the equations: the lightest one goes with honey. For one
+/// component; a body's spin is that of both.
+class HeldBodies : public SolverRows {
+ public:
+  /// `holds`: by tile. `cell`: kg, the mass of a full one. They outlive it.
+  HeldBodies(std::span<const std::vector<FluidHold>> holds, Component of, FluidBodies& bodies, double cell)
+      : holds_(holds), of_(of), bodies_(bodies), cell_(cell) {}
+  /// Takes the bodies' motion into the right sides, as far as it does not depend on the fluid.
+  void begin(FluidGrid& grid);
+  /// Whether there is one that moves.
+  bool any() const { return any_; }
+  double apply(FluidGrid& grid, std::size_t x, std::size_t change) override;
+  /// Bodies bear what they gave to faces.
+  void bear(FluidGrid& grid, const Viscosity& by);
+
+ private:
+  /// A body's speed along the component, m/s, and its spin, rad/s; or what changes them.
+  struct Motion {
+    double speed = 0, spin = 0;
+    double at(float arm) const { return speed + spin * static_cast<double>(arm); }
+  };
+  /// Sums of the holds of a body: (M + K) v = M v0 + sum k w, times the inverse masses, which may be 0.
+  struct Body {
+    double k = 0, arm = 0, square = 0;  // of k in kg, of k times the arm, of k times its square
+    Motion base;                        // v, without w
+    Motion gain;                        // sum k w
+  };
+  void sum(const FluidGrid& grid, std::size_t field);
+  Motion solve(std::size_t body, double speed, double spin) const;
+  template <class Each>
+  void each(const Each& visit) const;
+
+  std::span<const std::vector<FluidHold>> holds_;
+  Component of_;
+  FluidBodies& bodies_;
+  double cell_;
+  std::vector<Body> sums_;
+  bool any_ = false;
+};
 
 }  // namespace psim

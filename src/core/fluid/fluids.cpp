@@ -219,12 +219,13 @@ void Fluids::drag() {
     solver_.each_of(near_, [&](std::size_t t) {
       largest_[t] = make_viscous_equations(grid, t, space_, by, of, bodies_, holds[t]);
     });
-    expect_bodies(grid, holds, of, bodies_, cell);
+    HeldBodies held(holds, of, bodies_, cell);
+    held.begin(grid);
     solver_.coarsen(space_);
     solver_.solve(S::kEven, S::kUneven, kDragTolerance * *std::max_element(largest_.begin(), largest_.end()),
-                  kMostIterations);
+                  kMostIterations, held.any() ? &held : nullptr);
     solver_.each_of(near_, [&](std::size_t t) { drag_faces(grid, t, by, of); });
-    drag_bodies(grid, holds, by, of, bodies_, cell);
+    held.bear(grid, by);
   }
   grid.activate(with_equations_);
 }
