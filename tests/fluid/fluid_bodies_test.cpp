@@ -211,6 +211,7 @@ void expect_a_film_stays_above(Floor floor, double speed) {
     for (double x = kPace / 2; x < 4; x += kPace) places.push_back({x, y});
   }
   ASSERT_TRUE(world->add_particles(water, places, {}, error)) << error;
+  constexpr auto kCell = static_cast<float>(2 * kPace);
   const ConvexOutline box = box_outline(0.6, 0.3);
   const double radius = 0.25;
   BodyDesc falls = box_at({1, 1.6}, 0.6, 0.3, 3000);
@@ -222,8 +223,7 @@ void expect_a_film_stays_above(Floor floor, double speed) {
   for (int frame = 1; frame <= 90; ++frame) {
     run(*world, 1);
     const BodyState b = *world->body(fallen), d = *world->body(rolled);
-    const FluidSolid solid =
-        fluid_solid(outline_of({box.v[0], box.v[1], box.v[2], box.v[3]}, 0, b.angle), {}, 2 * kPace);
+    const FluidSolid solid = fluid_solid(outline_of({box.v[0], box.v[1], box.v[2], box.v[3]}, 0, b.angle), {}, kCell);
     for (const FluidParticleState& p : particles_of(*world)) {
       ASSERT_GT(p.position.y, 1 - 1e-4) << "frame " << frame << ", x " << p.position.x;
       if (frame < 30) continue;

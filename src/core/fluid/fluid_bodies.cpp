@@ -203,8 +203,7 @@ bool FluidBodies::keep_out(std::span<const FluidSolid> solids, Place2 from, floa
       changed = again = true;
     }
   }
-  // Between shapes that come together there is no place. Those that move do not press it through one that stands.
-  if (again && stopped_by_fixed(solids, from, at, cell)) at = from;
+  if (again && stopped_by_fixed(solids, from, at, cell)) at = from;  // shapes that come together leave no place
   return changed;
 }
 
