@@ -25,10 +25,10 @@ void smooth_share(FluidGrid& grid, std::size_t tile, FluidSolver::Field from, Fl
 /// The curvature of the surface as each cell sees it, times a weight, in kGainU, and the weight, in kShiftU. It is the sixth
 /// power of the slope: with a lower one, rough surfaces seem less curved.
 void find_curvature(FluidGrid& grid, std::size_t tile, const SurfaceTension& by);
-/// Where a surface ends on a body it pulls it: by the tension, out of the body, for it meets it at a right angle. Finds the slope
-/// of the share of fluid times `jump`, in kChange and kOther.
+/// Finds the slope of the share of fluid times `jump`, in kChange and kOther. Needs the smoothed share, in kShiftV.
 void find_slopes(FluidGrid& grid, std::size_t tile, const SurfaceTension& by);
-/// Along a body's surface that slope adds up to `jump` at each end of a surface: the body takes it.
+/// Where the surface of a fluid ends on a body it pulls the body, by the tension, along the surface and out of the body. The slope
+/// from find_slopes() adds up to `jump` along the body's outline at each such end, so that no end has to be searched for.
 void pull_bodies(const FluidGrid& grid, std::span<const std::uint32_t> tiles, FluidBodies& bodies);
 /// What pressure is in cells that are not full, as far as the surface lies beside them: in kShiftV.
 void find_surface_pressure(FluidGrid& grid, std::size_t tile, const SurfaceTension& by);

@@ -95,22 +95,22 @@ class ViscousTile {
   bool moves(std::size_t n) const {
     return at(names_.valid, n) != 0 && at(names_.slope, n) > 0 && at(names_.mass, n) > 0;
   }
-  // Of a face, by that of a full one of the first fluid. Beside walls and bodies its kernel finds a part of it: they count as
+  // The density at a face, by that of the first fluid. Beside walls and bodies the kernel of the face finds less: they count as
   // full of what is beside them.
   float density_of(std::size_t n) const {
     constexpr float kLeastSeenShare = 0.25f;
     const auto sees = [&](std::size_t m) { return 1 - (at(S::kFill, m) - at(S::kVolume, m)); };
     return at(names_.mass, n) / std::max((sees(n) + sees(n - (is_u_ ? 1 : kTilePitch))) / 2, kLeastSeenShare);
   }
-  // What two faces exchange goes by the harmonic mean: one that is nearly empty is dragged at most twice as much as a full
-  // one, and both feel the same.
+  // What two faces exchange goes by the harmonic mean of their densities, so that both feel the same. A nearly empty one is
+  // dragged at most twice as much as a full one.
   float density_between(std::size_t n, std::size_t m) const {
     const float a = density_of(n), b = density_of(m);
     return 2 * a * b / (a + b);
   }
   float at(S::Field f, std::size_t n) const { return grid_.field(f, t_)[n]; }
 
-  // The equation of a face, times its mass. Returns its momentum.
+  // The equation of a face, times its density. Returns its speed times that.
   float add_face(std::int32_t i, std::int32_t j, float kx, float ky) {
     const std::size_t n = tile_node(i, j);
     held_ = 0;

@@ -40,8 +40,8 @@ float make_viscous_equations(FluidGrid& grid, std::size_t tile, const FluidSpace
 /// Changes the velocity of a tile's faces by what was found in kEven, and keeps the change in kDragU or kDragV.
 void drag_faces(FluidGrid& grid, std::size_t tile, const Viscosity& by, Component of);
 
-/// The bodies that hold faces move with the fluid, which is part of the equations: the lightest one goes with honey. For one
-/// component; a body's spin is that of both.
+/// The bodies that hold faces. Their velocities are unknowns of the equations, too, so that the lightest one goes with honey:
+/// they are eliminated, and what is left of them adds to the matrix (apply()). Of one component; both change a body's spin.
 class HeldBodies : public SolverRows {
  public:
   /// `holds`: by tile. `cell`: kg, the mass of a full one. They outlive it.
