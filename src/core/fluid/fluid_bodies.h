@@ -118,7 +118,7 @@ class FluidBodies : public SolverRows {
   bool keep_out(std::span<const FluidSolid> solids, Place2 from, float dt, float cell, Place2& at, Place2& speed,
                 float mass, std::vector<FluidHits>& hits) const;
   /// Lets a particle out that is caught between a shape that moves and one that stands, or the world's wall: it goes along the
-  /// face that presses it, away from the middle of the body, by kMostWayOut at most.
+  /// face that presses it, away from the middle of the body, by 1.5 cells at most.
   void slip_out(std::span<const FluidSolid> solids, float cell, Place2& at) const;
   /// Bodies bear this in this part of a step. `cell`: area of a cell, m^2. Lists come in an order that depends on nothing
   /// but the particles.
