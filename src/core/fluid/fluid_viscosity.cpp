@@ -102,8 +102,8 @@ class ViscousTile {
     const auto sees = [&](std::size_t m) { return 1 - (at(S::kFill, m) - at(S::kVolume, m)); };
     return at(names_.mass, n) / std::max((sees(n) + sees(n - (is_u_ ? 1 : kTilePitch))) / 2, kLeastSeenShare);
   }
-  // What two faces exchange goes by the harmonic mean of their densities, so that both feel the same. A nearly empty one is
-  // dragged at most twice as much as a full one.
+  // Two faces exchange momentum by the harmonic mean of their densities, so that one gains what the other loses. A nearly
+  // empty face is dragged at most twice as much as a full one.
   float density_between(std::size_t n, std::size_t m) const {
     const float a = density_of(n), b = density_of(m);
     return 2 * a * b / (a + b);
@@ -232,7 +232,7 @@ void HeldBodies::begin(FluidGrid& grid) {
   });
 }
 
-// What a field of speeds gives to each body.
+// Sums up, for each body, the momentum that the faces would give to it if they had the speeds of this field.
 void HeldBodies::sum(const FluidGrid& grid, std::size_t field) {
   for (Body& s : sums_) s.gain = {};
   each([&](const FluidHold& h, std::size_t t) {
